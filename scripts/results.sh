@@ -15,6 +15,7 @@
 #   forms layers  docs/results/forms.md, layers.md: short trainings of other forms, and of T = 3 to 10  (30 minutes)
 #   ablations     docs/results/ablations.md: short trainings by the recipe with one change each  (25 minutes)
 #   classes       docs/results/classes.md: short trainings for classes of noise, of all weights and of the thresholds alone  (10 minutes)
+#   joint         docs/results/joint.md: lenses searched together with a network, and short trainings for each  (25 minutes)
 #   figures       docs/figures: the paper's figure 1, the demo's overview               (2 minutes)
 # From a clean tree: every page states its revision. A run that was stopped goes on: rows and pages of this revision stay, those of another
 # one are made anew (git has the old ones). Reports are in out/. Photographs: $EDOF_KODAK, else ../shared/data/kodak; $EDOF_MORE, else
@@ -24,7 +25,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
-parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture tolerances forms ablations classes layers figures"
+parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture tolerances forms ablations classes joint layers figures"
 # shellcheck disable=SC2086 # parts are several words
 [ $# -gt 0 ] || set -- $parts
 for part in "$@"; do
@@ -240,6 +241,40 @@ classes() {
         "mid-thresholds $all $mid" \
         "high $form $high" \
         "high-thresholds $all $high"
+}
+
+# Lenses found together with a network, from several starts; then networks from scratch for each and for the lenses of the comparisons. The
+# searches use eight training photographs, the trainings all but the test photographs and those held back.
+joint() {
+    local line name options file seed folder=$made/joint
+    local lenses=(ring-outer=cameras/ring-outer.json clear-mid=cameras/clear-mid.json)
+    mkdir -p "$folder"
+    for line in \
+        "outer --camera ring-outer" \
+        "2018 --camera ring-2018" \
+        "clear-focus --camera clear-mid" \
+        "random-1 --camera ring-outer --random --rings 1 --seed 1" \
+        "random-2 --camera ring-outer --random --rings 2 --seed 2" \
+        "random-3 --camera ring-outer --random --rings 3 --seed 3"; do
+        read -r name options <<<"$line"
+        lenses+=("$name=$folder/$name.json")
+        [ -e "$folder/$name.search.json" ] && continue
+        say "$name"
+        # shellcheck disable=SC2046,SC2086 # options are several words
+        "$edof" optics design --through edof-t4w12-outer-mid $options --images "$photographs" --photos 1,2,4,5,7,8,10,11 --rounds 8 --steps 200 \
+            --out "$folder/$name.json" --json "$folder/$name.search.json" $([ -e "$folder/$name.json.search" ] && echo --resume) --force
+    done
+    # Further seeds of one lens show what differences mean nothing.
+    for line in "${lenses[@]/%/=1}" "${lenses[0]}=2" "${lenses[0]}=3"; do
+        IFS== read -r name file seed <<<"$line"
+        [ -e "$folder/$name-$seed.json" ] && continue
+        say "$name, seed $seed"
+        # shellcheck disable=SC2046
+        "$edof" train --form edof-t4w12 --camera "$file" --tone linear --depths 5 --steps 2000 --seed "$seed" --validate-every 2000 \
+            --leave-out "$held_back" --out "$folder/$name-$seed.safetensors" --json "$folder/$name-$seed.json" \
+            $(resume "$folder/$name-$seed.safetensors") --force
+    done
+    python3 scripts/joint.py "$folder" "${lenses[@]}" > docs/results/joint.md
 }
 
 # The paper's form with T = 3 to 10, one short training each (half the usual rate, at which T = 10 does not converge), quantized on drawn

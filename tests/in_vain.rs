@@ -19,7 +19,7 @@ const QUANTIZE: &str = "quantize net.safetensors --out o";
 const RECONSTRUCT: &str = "reconstruct raw.png --weights net.fixed.safetensors --out o.png";
 
 /// A command, an option that it ignores there, and what the option needs.
-const ROWS: [(&str, &str, &str); 22] = [
+const ROWS: [(&str, &str, &str); 24] = [
     (CAPTURE, "--layers 8", "has an effect only with --depth-map"),
     (CAPTURE, "--layers 1", "has an effect only with --depth-map"),
     (CAPTURE, "--map-of distance", "has an effect only with --depth-map"),
@@ -41,6 +41,8 @@ const ROWS: [(&str, &str, &str); 22] = [
     ("board map --format c", "--timeout 2", "has no effect on edof board map"),
     ("cosim --design tiny --random 3", "--patches 7", "has no effect with --random"),
     ("cosim --design tiny", "--frames 2", "--system"),
+    ("optics design --out o", "--rounds 2", "--through"),
+    ("optics design --through net.safetensors --out o", "--population 9", "--through"),
     ("cosim --design tiny", "--display luma", "--system"),
 ];
 

@@ -98,6 +98,35 @@ fn a_designed_camera_is_a_camera_that_can_be_used() {
     place.edof("capture photo.png --camera mine.json --psi 1 --no-measure --out raw.png").done();
 }
 
+#[test]
+fn a_lens_is_searched_through_a_network_from_a_camera_or_at_random() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/a.png", 320, 288);
+    place.float_network("net.safetensors");
+    let line = "optics design --through net.safetensors --images photos --photos all --rounds 2 --steps 4 --windows 8 --json";
+    for (start, rings) in
+        [("--camera ring-2018", 1), ("--camera clear-mid", 0), ("--random --rings 3 --seed 4", 3)]
+    {
+        let report = json(&place.edof(&format!("{line} {start} --out mine.json --force")).done().out);
+        let camera = Camera::resolve(place.path("mine.json").to_str().unwrap()).unwrap();
+        assert_eq!((camera.name.as_str(), camera.rings.len()), ("mine", rings));
+        assert_eq!(report["history"].as_array().unwrap().len(), 2);
+        assert_eq!(report["history"][0]["gradient"].as_array().unwrap().len(), 3 * rings + 1);
+        let focus = |camera: &serde_json::Value| camera["focus_psi"].as_f64().unwrap();
+        assert_ne!(focus(&report["camera"]), focus(&report["start"]), "{start}: the focus moved");
+    }
+    for (option, words) in [
+        ("--rounds 0", ["--rounds 0", "1 to 10000"]),
+        ("--random --rings 4", ["--rings 4", "0 to 3"]),
+        ("--noise 2", ["--noise 2", "0 to 1"]),
+        ("--leave-out nobody", ["--leave-out nobody", "none of the photographs"]),
+    ] {
+        place.edof(&format!("{line} {option} --out other.json")).refused(&words);
+        assert!(!place.path("other.json").exists());
+    }
+}
+
 /// A bank of two depths whose kernels lean to the upper right, the more the nearer: something like coma.
 fn coma() -> Array4<f64> {
     Array4::from_shape_fn((2, 3, 9, 9), |(depth, channel, r, c)| {

@@ -31,11 +31,12 @@ fn interrupt(child: &Child) {
 }
 
 /// Jobs of many minutes.
-const JOBS: [&str; 10] = [
+const JOBS: [&str; 11] = [
     "capture leaves-4 --size 3000x3000 --exact --out raw.png",
     "capture photos/kodim03.png --psi 8 --exact --out raw.png",
     "scene leaves-4 --size 6000x6000 --out drawn",
     "optics design --generations 100000 --out camera.json",
+    "optics design --through net.safetensors --images photos --photos all --steps 100000000 --out camera.json",
     "quantize net.safetensors --images photos --photos all --finetune 100000000 --out out.fixed.safetensors",
     "train --form edof-t4w12 --camera clear --images photos --photos all --depths 2 --steps 100000000 --out x.safetensors",
     "study kodak --nets net.safetensors --images photos --psi 0,1,2,3,4,5,6,7,8 --exact --json study.json",
@@ -60,6 +61,33 @@ fn every_command_stops_when_asked() {
         // Training must leave a checkpoint.
         assert!(left.iter().all(|name| name == "x.safetensors.checkpoint"), "{job}: {left:?}");
     }
+}
+
+#[test]
+fn a_stopped_search_of_lens_and_network_resumes_and_ends_with_the_same_lens() {
+    let place = ready();
+    ["small", "whole"].map(|folder| std::fs::create_dir(place.path(folder)).unwrap());
+    place.photo("small/a.png", 320, 288);
+    let line = "optics design --through net.safetensors --camera ring-2018 --images small --photos all --rounds 5 --steps 30 --windows 8";
+    place.edof(&format!("{line} --out whole/lens.json")).done();
+    let search = format!("{line} --out lens.json");
+    let mut child = place.command(&search).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    while !place.path("lens.json.search").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "ended without a checkpoint");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    interrupt(&child);
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(130) && said.contains("continue with --resume"), "{said}");
+    place.edof(&search).refused(&["lens.json.search", "--resume"]);
+    place.edof(&format!("{search} --seed 7 --resume")).refused(&["lens.json.search", "another search"]);
+    place.edof(&format!("{search} --resume")).done();
+    assert!(!place.path("lens.json.search").exists());
+    let [whole, resumed] =
+        ["whole/lens.json", "lens.json"].map(|name| std::fs::read(place.path(name)).unwrap());
+    assert_eq!(whole, resumed);
+    place.edof(&format!("{search} --force --resume")).refused(&["there is no checkpoint"]);
 }
 
 #[test]

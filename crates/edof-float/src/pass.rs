@@ -219,6 +219,17 @@ impl<T: Real> Pass<T> {
         loss
     }
 
+    /// The loss's gradient for the inputs (windows × pixels) of the last [`Pass::backward`], written to `into`.
+    pub fn input_gradient(&self, weights: &[T], windows: usize, into: &mut [T]) {
+        let (codes, pixels, outputs) = (self.form.codes, self.form.window.pixels(), self.layout.outputs);
+        let analysis = Mat::new(&weights[self.layout.analysis.clone()], codes, pixels);
+        product(into, Destination::Replace, Mat::new(&self.gradient_b1, windows, codes), analysis);
+        if self.form.linear_path {
+            let linear = Mat::new(&weights[self.layout.linear_path.clone()], outputs, pixels);
+            product(into, Destination::Accumulate, Mat::new(&self.outputs, windows, outputs), linear);
+        }
+    }
+
     /// Back through D and R.
     fn final_layer_back(&mut self, weights: &[T], y: Mat<'_, T>, gradient: &mut [T]) {
         let (layout, last) = (&self.layout, self.form.middle_layers());

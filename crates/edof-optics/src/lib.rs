@@ -8,6 +8,7 @@
 //! | | [`blur`](mod@blur) | pictures blurred with it, and the adjoint |
 //! | | `tiles`, `composite` | large ones tile by tile, and layers of them over each other |
 //! | | [`cosine`] | the transform of even planes that both stand on |
+//! | | [`gradient`] | derivatives of PSFs by radii, phases and focus |
 //! | | [`depth`] | ψ for a distance and back |
 //! | | [`mtf`] | contrast over spatial frequency and through focus |
 //! | scene | [`draw`] | charts and leaves rendered by code |
@@ -51,6 +52,7 @@ pub mod design;
 mod direct;
 pub mod draw;
 pub mod estimator;
+pub mod gradient;
 pub mod layers;
 pub mod mtf;
 pub mod psf;

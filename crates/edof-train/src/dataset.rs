@@ -6,6 +6,7 @@
 //! ([`crate::augment`]) and both as light and as codes taken for light ([`edof_image::Tone`]).
 
 mod kept;
+mod lens;
 
 use crate::augment::Augmentation;
 use crate::holdout::Holdout;

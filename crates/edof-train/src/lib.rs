@@ -10,6 +10,7 @@
 //! | batch | [`edof_float::pass`] | forward pass and gradient |
 //! | weights | [`weighting`], [`budget`] | weight of a window's error, and cost of a non-zero |
 //! | step | [`adam`] | new weights |
+//! | lens | [`joint`] | a lens that moves along its network's gradient |
 //! | run | [`recipe`], [`train`] | schedule, [`validation`], checkpoints ([`checkpoint`]), resume |
 
 pub mod adam;
@@ -19,6 +20,7 @@ pub mod checkpoint;
 pub mod dataset;
 pub mod holdout;
 pub mod initial;
+pub mod joint;
 pub mod noise;
 pub mod precondition;
 pub mod recipe;

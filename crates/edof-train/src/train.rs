@@ -134,11 +134,24 @@ impl<'a> Trainer<'a> {
         threads: usize,
         network: &Network,
     ) -> Result<Self, RecipeError> {
-        recipe.check_with(dataset)?;
         if network.form != recipe.form {
             return Err(value("form", format!("{:?}", network.form), "the recipe's"));
         }
-        Self::begin(recipe, dataset, threads, flatten(network))
+        Self::from_weights(recipe, dataset, threads, flatten(network))
+    }
+
+    /// The same from a network's flat weights.
+    ///
+    /// # Errors
+    /// [`RecipeError`].
+    pub fn from_weights(
+        recipe: Recipe,
+        dataset: &'a Dataset,
+        threads: usize,
+        weights: Vec<f32>,
+    ) -> Result<Self, RecipeError> {
+        recipe.check_with(dataset)?;
+        Self::begin(recipe, dataset, threads, weights)
     }
 
     fn begin(

@@ -156,3 +156,37 @@ fn single_precision_gives_the_gradient_of_double_precision() {
     }
     assert!(compared > 80, "{compared} of 90");
 }
+
+#[test]
+fn the_gradient_for_the_inputs_equals_finite_differences() {
+    let mut measured_cases = 0;
+    for index in 0..60 {
+        let mut case = Case::new(index);
+        let importance = [1.0, 0.5, 2.0];
+        let examples =
+            Examples { inputs: &case.inputs, targets: &case.targets, tones: &TONES, importance: &importance };
+        let mut pass = Pass::<f64>::new(case.form, WINDOWS);
+        let (mut errors, mut unused) = ([0.0; WINDOWS], vec![0.0; case.weights.len()]);
+        pass.gradient(&case.weights, &examples, &case.lambdas, &mut errors, &mut unused);
+        let mut gradient = vec![0.0; case.inputs.len()];
+        pass.input_gradient(&case.weights, WINDOWS, &mut gradient);
+        let direction: Vec<f64> = gradient.iter().map(|_| f64::from(case.random.normal())).collect();
+        let inputs = case.inputs.clone();
+        let mut moved = |sign: f64| {
+            case.inputs = inputs.iter().zip(&direction).map(|(y, d)| y + sign * 1e-6 * d).collect();
+            case.at::<f64>(&case.weights)
+        };
+        let ((here, _, sides), (above, _, right), (below, _, left)) = (moved(0.0), moved(1.0), moved(-1.0));
+        if right != sides || left != sides {
+            continue;
+        }
+        let slope: f64 = direction.iter().zip(&gradient).map(|(d, g)| d * g).sum();
+        let measured = (above - below) / 2e-6;
+        assert!(
+            (slope - measured).abs() < 1e-5 * slope.abs() + 1e-8 * here.abs(),
+            "{index}: {slope}, {measured}"
+        );
+        measured_cases += 1;
+    }
+    assert!(measured_cases > 30, "{measured_cases} cases without a kink");
+}

@@ -1,5 +1,7 @@
 //! `edof optics`, and `edof optics design`.
 
+mod through;
+
 use crate::error::Error;
 use crate::files::{Files, Force};
 use crate::interrupt;
@@ -86,6 +88,9 @@ enum Subtask {
 /// The score of a candidate is computed in closed form: the error of the best linear map from a raw window to its colour patch, one map
 /// for all depths. Differential evolution improves a random population without presets. The search takes minutes on two cores.
 /// Check a camera by training a network for it: edof train --camera mine.json
+///
+/// --through NETWORK searches lens and network together. Each round trains the network for the lens, then moves radii, phases and focus along
+/// the gradient of the PSNR through the network. The search begins with the mask and focus of --camera, or at random.
 #[derive(clap::Args)]
 #[command(after_help = DESIGN_EXAMPLES)]
 struct Design {
@@ -97,7 +102,7 @@ struct Design {
     #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
     camera: String,
 
-    /// Rings of the mask: 0, 1 or 2
+    /// Rings of the mask: 0, 1 or 2; with --through 3, too
     #[arg(long, default_value_t = 1, value_name = "N")]
     rings: usize,
 
@@ -137,18 +142,23 @@ struct Design {
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
 
-    /// Folder of photographs whose statistics are used [default: a model of natural pictures]
+    /// Folder of photographs whose statistics are used [default: a model of natural pictures; with --through the study's photographs]
     #[arg(long, value_name = "DIR")]
     images: Option<PathBuf>,
 
     #[command(flatten)]
     force: Force,
+
+    #[command(flatten)]
+    through: through::Options,
 }
 
 const DESIGN_EXAMPLES: &str = "\
 Examples:
   edof optics design --out mine.json
   edof optics design --rings 2 --focus 0 --images photos/train --out mine.json
+  edof optics design --through edof-t4w12-outer --out mine.json
+  edof optics design --through edof-t4w12-outer --random --rings 2 --seed 3 --out mine.json
   edof optics design --generations 5 --population 12 --window 8 --json";
 
 /// What is written.
@@ -314,6 +324,9 @@ struct Judged {
 }
 
 fn design(args: Design, ui: &Ui) -> Result<(), Error> {
+    if let Some(network) = &args.through.through {
+        return through::design(&args, network, ui);
+    }
     let files = Files::new(ui).reads(&args.camera);
     let files = args.images.iter().fold(files, Files::reads_pictures_of);
     files.writes("--out", &args.out).keeps(args.force).check()?;

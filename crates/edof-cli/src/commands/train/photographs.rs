@@ -35,7 +35,7 @@ impl Photograph {
 ///
 /// # Errors
 /// A name that none of them has: a slip of the pen would train on what is to be held back.
-pub(super) fn leave_out(photographs: &mut Vec<Photograph>, names: &[String]) -> Result<(), Error> {
+pub fn leave_out(photographs: &mut Vec<Photograph>, names: &[String]) -> Result<(), Error> {
     for name in names {
         let before = photographs.len();
         photographs.retain(|photograph| photograph.stem != *name);

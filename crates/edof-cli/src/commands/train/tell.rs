@@ -10,7 +10,7 @@ use edof_image::words::count;
 use edof_image::{Noise, Tone};
 use edof_network::network::Network;
 use edof_train::train::Trainer;
-use edof_train::validation::Validation;
+use edof_train::validation::{Measured, Validation};
 use serde_json::{Value, json};
 
 /// What training came to: tables for the terminal, and all of it for `--json`.
@@ -132,10 +132,28 @@ fn table(validation: &Validation, trainer: &Trainer<'_>, photographs: &[Photogra
         "levels": levels(validation, trainer),
         "means": rows(validation, trainer, photographs).into_iter().map(row).collect::<Vec<_>>(),
         "worst": worst,
+        "photographs": by_photograph(validation, trainer, photographs),
         "non_zeros_busy": validation.busy_non_zeros(),
         "non_zeros_noisy": validation.non_zeros(true),
         "non_zeros_clean": validation.non_zeros(false),
     })
+}
+
+/// dB of each photograph, tone and noise at each ψ that was validated.
+fn by_photograph(validation: &Validation, trainer: &Trainer<'_>, photographs: &[Photograph]) -> Vec<Value> {
+    let mut rows = vec![];
+    for (photo, photograph) in photographs.iter().enumerate() {
+        for (index, &tone) in trainer.recipe().tones.iter().enumerate() {
+            for noise in trainer.recipe().conditions.validated(tone) {
+                let own = |m: &&Measured| m.place.photo == photo && m.place.tone == index && m.noise == noise;
+                let sets: Vec<&Measured> = validation.0.iter().filter(own).collect();
+                let psi: Vec<f64> = sets.iter().map(|m| trainer.psi(m.place.psi)).collect();
+                let db: Vec<f64> = sets.iter().map(|m| m.psnr_db).collect();
+                rows.push(json!({ "name": photograph.name(), "tone": tone, "noise": noise.to_string(), "psi": psi, "db": db }));
+            }
+        }
+    }
+    rows
 }
 
 fn tell_photographs(photographs: &[Photograph], ui: &Ui) -> Result<(), Error> {

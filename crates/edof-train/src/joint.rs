@@ -1,0 +1,376 @@
+//! Lens and network together: rounds of training for the lens as it is, then a step of the lens along the network's own gradient.
+//!
+//! At the network's optimum the derivative of the loss by the lens is that with the network held. So each round trains the network a little
+//! for its lens, then carries the gradient of the PSNR back through network, mosaic and blur to the PSFs ([`Dataset::psf_gradient`]), and
+//! from there to radii, phases and focus ([`mod@edof_optics::gradient`]).
+
+use crate::dataset::{Batch, Dataset, DatasetError, DatasetOptions, Place};
+use crate::recipe::{Recipe, RecipeError, value};
+use crate::train::Trainer;
+use edof_camera::Camera;
+use edof_camera::camera::{Delay, Ring, Sign};
+use edof_float::parameters::{Layout, flatten};
+use edof_float::pass::{Pass, weighted_errors};
+use edof_image::colour::RGB_OUTPUTS;
+use edof_image::{ColourFrame, Noise};
+use edof_network::network::Network;
+use edof_numerics::random::Random;
+use edof_optics::gradient::{GradientError, Parameter, parameters, psf_gradient};
+use edof_optics::psf::{Settings, channel_psfs};
+use ndarray::Array2;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
+
+/// Narrowest ring, and narrowest gap between two, as shares of the radius.
+const NARROWEST: f64 = 0.02;
+/// Largest steps of a radius, of a phase and of the focus at the start.
+const STEPS: [f64; 3] = [0.012, 0.25, 0.2];
+/// What a step is multiplied by after a lens that is better, and after one that is worse.
+const LONGER: f64 = 1.2;
+const SHORTER: f64 = 0.4;
+/// dB by which a lens may be worse and count as better: its network has had one round.
+const TOLERANCE: f64 = 0.02;
+/// How PSFs are computed while a lens moves: smaller kernels than a network's data have, so that rounds are short.
+const SETTINGS: Settings = Settings { energy: 0.99, wavelength_tolerance: 0.01, exact: false };
+/// The first round's training, in rounds: the network comes from another lens.
+const FIRST: u64 = 5;
+
+/// How lens and network are searched together.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Joint {
+    /// Training of a round: its steps are the recipe's.
+    pub recipe: Recipe,
+    /// ψ of the search, spread over the camera's range.
+    pub psis: Vec<f64>,
+    /// Standard deviations of the noise at which the lens is judged.
+    pub noises: Vec<f64>,
+    /// Weight of the worst depth against the average over depths, 0…1.
+    pub worst_weight: f64,
+    /// Largest phase of a ring either way, in radians at the reference wavelength.
+    pub max_phase: f64,
+    /// Rounds.
+    pub rounds: u32,
+    /// Windows of each photograph, ψ and noise by which a round judges its lens.
+    pub windows: usize,
+    /// Threads.
+    pub threads: usize,
+}
+
+/// Everything that changes while a search runs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct JointState {
+    /// Rounds done.
+    pub round: u32,
+    /// The lens of the next round.
+    pub camera: Camera,
+    /// The best lens so far; the next one is a step from it.
+    pub best: Camera,
+    /// Its score.
+    pub best_db: Option<f64>,
+    /// The step from it for each parameter, at a length of 1.
+    pub direction: Vec<f64>,
+    /// Length of the next step.
+    pub length: f64,
+    /// The network's weights as they are.
+    pub weights: Vec<f32>,
+    /// Running means of the gradient and of its square, for each parameter.
+    pub moments: Vec<[f64; 2]>,
+    /// What was judged in each round, before its step.
+    pub history: Vec<Judged>,
+}
+
+/// A lens of a search.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Judged {
+    /// Mean over noises of the score: dB on training windows, average over ψ and worst ψ weighed.
+    pub score_db: f64,
+    /// dB for each noise and ψ.
+    pub psnr_db: Vec<Vec<f64>>,
+    /// Values of the parameters, in the order of [`parameters`].
+    pub lens: Vec<f64>,
+    /// Derivatives of the score by them.
+    pub gradient: Vec<f64>,
+}
+
+/// A search that cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
+pub enum JointError {
+    /// A recipe or number out of range.
+    #[error(transparent)]
+    Recipe(#[from] RecipeError),
+    /// Photographs that nothing can be learned from.
+    #[error(transparent)]
+    Dataset(#[from] DatasetError),
+    /// A lens without derivatives.
+    #[error(transparent)]
+    Lens(#[from] GradientError),
+}
+
+impl Joint {
+    /// # Errors
+    /// [`JointError::Recipe`], naming the number that is out of range.
+    pub fn check(&self) -> Result<(), JointError> {
+        self.recipe.check()?;
+        let wrong = |field, found: f64, expected| Err(value(field, found, expected).into());
+        if !(1..=10_000).contains(&self.rounds) {
+            return wrong("rounds", self.rounds.into(), "1 to 10000");
+        }
+        if !(1..=10_000).contains(&self.windows) {
+            return wrong("windows", self.windows as f64, "1 to 10000");
+        }
+        if !(0.0..=1.0).contains(&self.worst_weight) {
+            return wrong("worst weight", self.worst_weight, "0 to 1");
+        }
+        if !(self.max_phase.is_finite() && self.max_phase > 0.0) {
+            return wrong("max phase", self.max_phase, "a positive number of radians");
+        }
+        match self.noises.iter().find(|noise| !(0.0..=1.0).contains(*noise)) {
+            Some(noise) => wrong("noise", *noise, "0 to 1"),
+            None if self.noises.is_empty() => wrong("noise", f64::NAN, "one value at least"),
+            None => Ok(()),
+        }
+    }
+
+    /// A search that begins with this lens and network.
+    ///
+    /// # Errors
+    /// [`JointError`].
+    pub fn begin(&self, camera: &Camera, network: &Network) -> Result<JointState, JointError> {
+        self.check()?;
+        edof_optics::gradient::check(camera)?;
+        if network.form != self.recipe.form {
+            return Err(value("form", format!("{:?}", network.form), "the recipe's").into());
+        }
+        let count = parameters(camera).len();
+        Ok(JointState {
+            round: 0,
+            camera: camera.clone(),
+            best: camera.clone(),
+            best_db: None,
+            direction: vec![0.0; count],
+            length: 1.0,
+            weights: flatten(network),
+            moments: vec![[0.0; 2]; count],
+            history: vec![],
+        })
+    }
+
+    /// One round: blurs the photographs for the lens, trains the network, judges the lens and moves it. Nothing changes where `tell` ends
+    /// the work; false then.
+    ///
+    /// # Errors
+    /// [`JointError`].
+    pub fn round(
+        &self,
+        photos: &[ColourFrame],
+        state: &mut JointState,
+        mut tell: impl FnMut() -> ControlFlow<()>,
+    ) -> Result<bool, JointError> {
+        let options = DatasetOptions { settings: SETTINGS, ..self.recipe.dataset(&self.psis) };
+        let Some(dataset) = Dataset::new(photos, &state.camera, options, |_, _| tell())? else {
+            return Ok(false);
+        };
+        let steps = self.recipe.steps * if state.round == 0 { FIRST } else { 1 };
+        let seed = self.recipe.seed + u64::from(state.round);
+        let recipe = Recipe { steps, seed, validate_every: steps, ..self.recipe.clone() };
+        let mut trainer = Trainer::from_weights(recipe, &dataset, self.threads, state.weights.clone())?;
+        let mut stopped = false;
+        trainer.run(|_, _| {
+            let flow = tell();
+            stopped |= flow.is_break();
+            flow
+        })?;
+        if stopped {
+            return Ok(false);
+        }
+        let weights = trainer.state.best_weights;
+        let judged = self.judge(&dataset, &state.camera, &weights)?;
+        self.step(state, &judged);
+        state.weights = weights;
+        state.history.push(judged);
+        state.round += 1;
+        Ok(true)
+    }
+
+    /// Score of a lens through a network, and its derivatives.
+    ///
+    /// # Errors
+    /// [`JointError`].
+    pub fn judge(&self, dataset: &Dataset, camera: &Camera, weights: &[f32]) -> Result<Judged, JointError> {
+        let side = |&psi: &f64| channel_psfs(camera, psi, &SETTINGS).map(|psfs| psfs.map(|psf| psf.side()));
+        let sides: Vec<[usize; 3]> =
+            self.psis.par_iter().map(side).collect::<Result<_, _>>().map_err(GradientError::from)?;
+        let cells: Vec<(usize, usize)> =
+            (0..self.noises.len()).flat_map(|n| (0..self.psis.len()).map(move |p| (n, p))).collect();
+        let parts: Vec<Part> = cells
+            .par_iter()
+            .map(|&(noise, psi)| self.part(dataset, weights, noise, psi, sides[psi]))
+            .collect();
+        let psnr_db: Vec<Vec<f64>> =
+            parts.chunks(self.psis.len()).map(|line| line.iter().map(|part| part.db).collect()).collect();
+        let kernels: Vec<Vec<[Array2<f64>; 3]>> =
+            self.psis.iter().map(|&psi| psf_gradient(camera, psi, &SETTINGS)).collect::<Result<_, _>>()?;
+        let (mut score_db, mut gradient) = (0.0, vec![0.0; parameters(camera).len()]);
+        for ((&(noise, psi), part), share) in cells.iter().zip(&parts).zip(self.shares(&psnr_db)) {
+            debug_assert!(psnr_db[noise][psi] == part.db);
+            score_db += share * part.db;
+            for (sum, planes) in gradient.iter_mut().zip(&kernels[psi]) {
+                let dots = planes
+                    .iter()
+                    .zip(&part.gradient)
+                    .map(|(plane, by)| plane.iter().zip(by).map(|(p, g)| p * f64::from(*g)).sum::<f64>());
+                *sum += share * dots.sum::<f64>();
+            }
+        }
+        Ok(Judged { score_db, psnr_db, lens: values(camera), gradient })
+    }
+
+    /// What the dB of each noise and ψ weigh in the score.
+    fn shares(&self, psnr_db: &[Vec<f64>]) -> Vec<f64> {
+        let of_noise = |line: &Vec<f64>| {
+            let worst = (0..line.len()).min_by(|&a, &b| line[a].total_cmp(&line[b]));
+            let share = |psi: usize| {
+                let worst = if Some(psi) == worst { self.worst_weight } else { 0.0 };
+                ((1.0 - self.worst_weight) / line.len() as f64 + worst) / psnr_db.len() as f64
+            };
+            (0..line.len()).map(share).collect::<Vec<_>>()
+        };
+        psnr_db.iter().flat_map(of_noise).collect()
+    }
+
+    /// Mean dB over photographs at one noise and ψ, and its gradient for the three kernels.
+    fn part(&self, dataset: &Dataset, weights: &[f32], noise: usize, psi: usize, sides: [usize; 3]) -> Part {
+        let (form, windows) = (self.recipe.form, self.windows);
+        let pixels = form.window.pixels();
+        let mut part = Part { db: 0.0, gradient: sides.map(|side| vec![0.0; side * side]) };
+        let (mut pass, mut batch) = (Pass::new(form, windows), Batch::new(form.window, windows));
+        let mut unused = vec![0.0; Layout::new(&form).len()];
+        let mut inputs = vec![0.0; windows * pixels];
+        let (mut errors, importance) = (vec![0.0; windows], vec![1.0; windows]);
+        for photo in 0..dataset.photos() {
+            let place = Place { photo, tone: 0, psi };
+            // The same windows in every round.
+            let mut random =
+                Random::new(self.recipe.seed, u64::MAX - 2, ((photo << 16) | (noise << 8) | psi) as u64);
+            let corners = dataset.draw_located(&mut random, place, noise_of(self.noises[noise]), &mut batch);
+            pass.forward(weights, &batch.inputs, windows);
+            let squared =
+                2.0 * weighted_errors(pass.outputs_mut(), &batch.examples(&importance), &mut errors);
+            let squared = squared.max(1e-12);
+            part.db -= 10.0 * (squared / (windows * RGB_OUTPUTS) as f64).log10() / dataset.photos() as f64;
+            // The gradient of half the squared error becomes that of dB.
+            let scale = -20.0 / std::f64::consts::LN_10 / squared / dataset.photos() as f64;
+            pass.backward(weights, &batch.inputs, windows, &[], &mut unused);
+            pass.input_gradient(weights, windows, &mut inputs);
+            for (input, gradient) in batch.inputs.iter().zip(&mut inputs) {
+                // What a sensor clips does not move.
+                *gradient *= if (0.0..=1.0).contains(input) && *input != 0.0 && *input != 1.0 {
+                    scale as f32
+                } else {
+                    0.0
+                };
+            }
+            for (corner, gradient) in corners.into_iter().zip(inputs.chunks_exact(pixels)) {
+                dataset.psf_gradient(place, corner, gradient, sides, &mut part.gradient);
+            }
+        }
+        part
+    }
+
+    /// Takes a lens that is better as the best one, else goes back to the best; then moves up that one's gradient. A parameter's step is in
+    /// proportion to the running mean of its gradient over that of its size.
+    fn step(&self, state: &mut JointState, judged: &Judged) {
+        if state.best_db.is_none_or(|best| judged.score_db >= best - TOLERANCE) {
+            if state.best_db.is_some() {
+                state.length = (state.length * LONGER).min(1.0);
+            }
+            (state.best, state.best_db) = (state.camera.clone(), Some(judged.score_db));
+            let accepted = state.moments.iter_mut().zip(&mut state.direction);
+            for (((moments, step), parameter), gradient) in
+                accepted.zip(parameters(&state.best)).zip(&judged.gradient)
+            {
+                *step = largest_step(parameter) * share(moments, *gradient);
+            }
+        } else {
+            state.length *= SHORTER;
+        }
+        let moved = values(&state.best).into_iter().zip(&state.direction);
+        let moved: Vec<f64> = moved.map(|(value, step)| value + state.length * step).collect();
+        state.camera = with(&state.best, &moved, self.max_phase);
+    }
+}
+
+const fn largest_step(parameter: Parameter) -> f64 {
+    match parameter {
+        Parameter::Inner(_) | Parameter::Outer(_) => STEPS[0],
+        Parameter::Phase(_) => STEPS[1],
+        Parameter::Focus => STEPS[2],
+    }
+}
+
+/// Takes a gradient into its running means, and returns its mean over its size, −1…1.
+fn share([mean, square]: &mut [f64; 2], gradient: f64) -> f64 {
+    if *square == 0.0 {
+        (*mean, *square) = (gradient, gradient * gradient);
+    }
+    *mean = 0.5 * *mean + 0.5 * gradient;
+    *square = 0.8 * *square + 0.2 * gradient * gradient;
+    (*mean / square.sqrt().max(1e-9)).clamp(-1.0, 1.0)
+}
+
+/// dB at one noise and ψ, and its gradient for the kernels of red, green and blue.
+struct Part {
+    db: f64,
+    gradient: [Vec<f32>; 3],
+}
+
+fn noise_of(sigma: f64) -> Noise {
+    if sigma == 0.0 { Noise::None } else { Noise::gaussian(sigma) }
+}
+
+/// Values of a camera's parameters, in their order.
+#[must_use]
+pub fn values(camera: &Camera) -> Vec<f64> {
+    let phase = |ring: &Ring| ring.delay.phase_rad(camera.reference_wavelength_nm);
+    let rings = camera.rings.iter().flat_map(|ring| [ring.inner, ring.outer, phase(ring)]);
+    rings.chain([camera.focus_psi]).collect()
+}
+
+/// The camera of these values: radii in order and apart, phases and focus within their ranges.
+fn with(camera: &Camera, values: &[f64], max_phase: f64) -> Camera {
+    let (rings, focus) = values.split_at(3 * camera.rings.len());
+    let mut from = 0.0;
+    let mut left = camera.rings.len();
+    let mut rings: Vec<&[f64]> = rings.chunks(3).collect();
+    rings.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let ring = |value: &[f64]| {
+        let room = 2.0 * NARROWEST * (left - 1) as f64;
+        left -= 1;
+        let inner = value[0].clamp(from, 1.0 - room - NARROWEST);
+        let outer = value[1].clamp(inner + NARROWEST, 1.0 - room);
+        from = outer + NARROWEST;
+        let rad = value[2].clamp(-max_phase, max_phase);
+        Ring { inner, outer, delay: Delay::Phase { rad, at_nm: camera.reference_wavelength_nm } }
+    };
+    let rings = rings.into_iter().map(ring).collect();
+    let [low, high] = camera.psi_range;
+    Camera { rings, focus_psi: focus[0].clamp(low, high), ..camera.clone() }
+}
+
+/// A random start: N rings between radii and phases at random, and a focus within the range.
+#[must_use]
+pub fn random_lens(base: &Camera, rings: usize, max_phase: f64, seed: u64) -> Camera {
+    let mut random = Random::new(seed, u64::MAX - 3, 0);
+    let mut unit = || f64::from(random.unit());
+    let mut radii: Vec<f64> = (0..2 * rings).map(|_| unit()).collect();
+    radii.sort_by(f64::total_cmp);
+    let mut values: Vec<f64> =
+        radii.chunks(2).flat_map(|r| [r[0], r[1], max_phase * (2.0 * unit() - 1.0)]).collect();
+    let [low, high] = base.psi_range;
+    values.push(low + (high - low) * unit());
+    let none = Ring { inner: 0.0, outer: 1.0, delay: Delay::Phase { rad: 0.0, at_nm: 1.0 } };
+    let shape = Camera { rings: vec![none; rings], defocus_sign: Sign::Plus, profile: None, ..base.clone() };
+    with(&shape, &values, max_phase)
+}

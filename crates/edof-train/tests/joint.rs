@@ -1,0 +1,164 @@
+//! Lens and network together: the gradient through network, mosaic and blur, and rounds of a search.
+
+use edof_camera::Camera;
+use edof_camera::camera::Delay;
+use edof_float::parameters::{Layout, unflatten};
+use edof_image::{ColourFrame, Tone, Window};
+use edof_network::network::{Form, Network, Origin, Recurrence, Shrinkage};
+use edof_numerics::random::Random;
+use edof_optics::psf::{Settings, channel_psfs};
+use edof_train::dataset::{Dataset, DatasetOptions};
+use edof_train::initial::initial;
+use edof_train::joint::{Joint, random_lens, values};
+use edof_train::recipe::Recipe;
+use ndarray::Array3;
+use std::ops::ControlFlow;
+
+fn photo(side: usize) -> ColourFrame {
+    let mut random = Random::new(9, 0, 0);
+    let mut leaves: Vec<([f32; 3], [f32; 3])> = vec![];
+    for _ in 0..160 {
+        leaves.push(([(); 3].map(|()| random.unit()), [(); 3].map(|()| 0.1 + 0.8 * random.unit())));
+    }
+    let planes = Array3::from_shape_fn((3, side, side), |(c, row, column)| {
+        let [y, x] = [row, column].map(|i| i as f32 / side as f32);
+        let on = |[r, u, v]: [f32; 3]| (y - u).abs() < 0.2 * r && (x - v).abs() < 0.2 * r;
+        leaves.iter().rev().find(|(shape, _)| on(*shape)).map_or(0.5, |(_, colour)| colour[c])
+    });
+    ColourFrame { planes }
+}
+
+fn joint() -> Joint {
+    let form = Form {
+        window: Window::new(12).unwrap(),
+        codes: 24,
+        layers: 3,
+        shrinkage: Shrinkage::OneSided,
+        recurrence: Recurrence::Direct,
+        linear_path: true,
+        tied: false,
+    };
+    let recipe = Recipe {
+        tones: vec![Tone::Linear],
+        budget: None,
+        lambda: vec![1e-5],
+        batch: 64,
+        steps: 20,
+        ..Recipe::new(form)
+    };
+    Joint {
+        recipe,
+        psis: vec![1.0, 6.5],
+        noises: vec![0.0, 0.01],
+        worst_weight: 0.5,
+        max_phase: 10.0,
+        rounds: 3,
+        windows: 64,
+        threads: 2,
+    }
+}
+
+/// How the search computes PSFs.
+fn settings() -> Settings {
+    Settings { energy: 0.99, ..Settings::default() }
+}
+
+fn dataset(joint: &Joint, camera: &Camera) -> Dataset {
+    let options = DatasetOptions { settings: settings(), ..joint.recipe.dataset(&joint.psis) };
+    Dataset::new(&[photo(320)], camera, options, |_, _| ControlFlow::Continue(())).unwrap().unwrap()
+}
+
+/// A network that restores a little: its output is fitted to what the rest of it makes of windows.
+fn network(joint: &Joint, camera: &Camera) -> Network {
+    let mut random = Random::new(4, 0, 0);
+    let mut batch = edof_train::dataset::Batch::new(joint.recipe.form.window, 2048);
+    dataset(joint, camera).draw(&mut random, &joint.recipe.conditions, &mut batch);
+    let weights = initial(&joint.recipe.form, joint.recipe.start, &batch, &mut random);
+    assert_eq!(weights.len(), Layout::new(&joint.recipe.form).len());
+    let origin = Origin {
+        name: "start".into(),
+        camera: camera.clone(),
+        conditions: vec![],
+        patches: 0,
+        validation_db: 0.0,
+        non_zeros: vec![],
+        provenance: Default::default(),
+    };
+    unflatten(joint.recipe.form, &weights, origin)
+}
+
+/// The camera with one of its parameters moved.
+fn moved(camera: &Camera, index: usize, by: f64) -> Camera {
+    let mut moved = camera.clone();
+    match (index, &mut moved.rings[0].delay) {
+        (0, _) => moved.rings[0].inner += by,
+        (1, _) => moved.rings[0].outer += by,
+        (2, Delay::Phase { rad, .. }) => *rad += by,
+        _ => moved.focus_psi += by,
+    }
+    moved
+}
+
+#[test]
+fn the_lens_gradient_equals_differences_of_the_score() {
+    let joint = joint();
+    let mut camera = Camera::resolve("ring-outer").unwrap();
+    (camera.rings[0].inner, camera.rings[0].outer) = (0.6, 0.93);
+    let state = joint.begin(&camera, &network(&joint, &camera)).unwrap();
+    let judge = |camera: &Camera| joint.judge(&dataset(&joint, camera), camera, &state.weights).unwrap();
+    let judged = judge(&camera);
+    assert_eq!(judged.lens, values(&camera));
+    let sides = |camera: &Camera| -> Vec<[usize; 3]> {
+        let of = |&psi: &f64| channel_psfs(camera, psi, &settings()).unwrap().map(|psf| psf.side());
+        joint.psis.iter().map(of).collect()
+    };
+    for (index, largest) in [(0, 2e-3), (1, 2e-3), (2, 2e-2), (3, 2e-2)] {
+        // Words of 16 bits carry the blurred light, so steps are not small; but no kernel may change its side, and so the windows.
+        let mut steps = (0..6).map(|halving| largest / f64::from(1 << halving));
+        let same =
+            |step: f64| [-step, step].iter().all(|by| sides(&moved(&camera, index, *by)) == sides(&camera));
+        let step = steps.find(|step| same(*step)).expect("kernels whose sides stay");
+        let score = |by: f64| judge(&moved(&camera, index, by)).score_db;
+        let measured = (score(step) - score(-step)) / (2.0 * step);
+        let found = judged.gradient[index];
+        assert!(
+            (found - measured).abs() < 0.05 * measured.abs() + 0.02,
+            "parameter {index}: {found}, by differences of {step} {measured}"
+        );
+    }
+}
+
+#[test]
+fn rounds_repeat_themselves_and_a_stopped_round_changes_nothing() {
+    let joint = joint();
+    let camera = random_lens(&Camera::resolve("ring-outer").unwrap(), 2, joint.max_phase, 5);
+    camera.check().unwrap();
+    let begun = joint.begin(&camera, &network(&joint, &camera)).unwrap();
+    let [first, again] = [1, 2].map(|threads| {
+        let joint = Joint { threads, ..joint.clone() };
+        let mut state = begun.clone();
+        for _ in 0..2 {
+            assert!(joint.round(&[photo(320)], &mut state, || ControlFlow::Continue(())).unwrap());
+        }
+        state
+    });
+    assert_eq!(first, again);
+    assert_eq!((first.round, first.history.len()), (2, 2));
+    assert!(first.camera != camera && first.camera.check().is_ok());
+    let mut stopped = first.clone();
+    assert!(!joint.round(&[photo(320)], &mut stopped, || ControlFlow::Break(())).unwrap());
+    assert_eq!(stopped, first);
+}
+
+#[test]
+fn searches_out_of_range_are_rejected() {
+    let wrong = |joint: Joint| joint.check().unwrap_err().to_string();
+    assert_eq!(wrong(Joint { rounds: 0, ..joint() }), "rounds 0: must be 1 to 10000");
+    assert_eq!(wrong(Joint { windows: 0, ..joint() }), "windows 0: must be 1 to 10000");
+    assert_eq!(wrong(Joint { worst_weight: 1.5, ..joint() }), "worst weight 1.5: must be 0 to 1");
+    assert_eq!(
+        wrong(Joint { max_phase: 0.0, ..joint() }),
+        "max phase 0: must be a positive number of radians"
+    );
+    assert_eq!(wrong(Joint { noises: vec![2.0], ..joint() }), "noise 2: must be 0 to 1");
+}
