@@ -31,7 +31,7 @@ const DEPTHS: usize = 5;
 
 /// What is compared.
 pub struct Plan {
-    /// Light levels, read noise, and the settings of the closed-form estimator whose numbers stand beside those of the networks.
+    /// Light levels, read noise, and the settings of the closed-form estimator whose numbers are next to those of the networks.
     pub estimator: super::Plan,
     /// Lenses with their networks.
     pub peers: Vec<Peer>,

@@ -87,7 +87,7 @@ impl Peer {
     }
 }
 
-/// Whether a camera is the coded lens or its clear one, but for aperture, focus and range, which begins at ψ = 0.
+/// Whether a camera is the coded lens or its clear one, except for aperture, focus and range, which begins at ψ = 0.
 fn is_same(coded: &Camera, camera: &Camera, lens: Lens) -> bool {
     let (rings, profile) = match lens {
         Lens::Coded => (coded.rings.clone(), coded.profile.clone()),
