@@ -11,6 +11,10 @@
 #   knobs design  docs/results/knobs.*, design.md, on three training photographs        (10 minutes, 1 minute)
 #   bits stability docs/results/bits.md, stability.md                                   (10 minutes)
 #   aperture      docs/results/aperture.*: the coded lens against smaller apertures     (1 minute)
+#   aperture-networks  docs/results/aperture-networks.*: the same by networks; 24 short trainings, 2 minutes each, which target/trained keeps
+#   colour        docs/results/colour.md: gain of the coded lens against the correlation of colours, of rows that are there  (1 minute)
+#   colour-scenes      the same with synthetic scenes of known saturation               (3 minutes)
+#   colour-training    the same with training photographs, and copies of random saturation in training  (20 minutes)
 #   tolerances    docs/results/tolerances.*: errors of the coded lens that cost 0.1 dB, its networks by noise  (10 minutes)
 #   forms layers  docs/results/forms.md, layers.md: short trainings of other forms, and of T = 3 to 10  (30 minutes)
 #   ablations     docs/results/ablations.md: short trainings by the recipe with one change each  (25 minutes)
@@ -25,7 +29,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
-parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture tolerances forms ablations classes joint layers figures"
+parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture aperture-networks colour-scenes colour-training colour tolerances forms ablations classes joint layers figures"
 # shellcheck disable=SC2086 # parts are several words
 [ $# -gt 0 ] || set -- $parts
 for part in "$@"; do
@@ -42,7 +46,10 @@ target=${CARGO_TARGET_DIR:-target}
 edof=$target/release/edof
 photographs=${EDOF_KODAK:-../shared/data/kodak}
 made=$target/results/$revision
-mkdir -p out "$made"
+more=${EDOF_MORE:-../shared/data/more}
+# Networks of aperture and colour stay from one revision to the next; rows hold the hashes of their weights.
+trained=$target/trained
+mkdir -p out "$made" "$trained"
 
 # Whether a file of rows or a page is of this revision.
 is_made() { grep -qs -e "\"revision\":\"$revision\"" -e "revision \`$revision\`" "$1"; }
@@ -113,7 +120,7 @@ photographs_of() {
 # Photographs that no class of noise was trained on: unseen PAGE NAME,NAME...
 # shellcheck disable=SC2046
 unseen() {
-    "$edof" study kodak --images "${EDOF_MORE:-../shared/data/more}" --photos "${2//more/}" --tone linear --nets "$classes" --psi 0,2,4,6,8 \
+    "$edof" study kodak --images "$more" --photos "${2//more/}" --tone linear --nets "$classes" --psi 0,2,4,6,8 \
         --stride 8 $(rows "$1") $(pages "$1")
     quote_verdict README.md "$1"
     quote_verdict docs/results.md "$1"
@@ -168,8 +175,74 @@ bits() { is_made docs/results/bits.md || "$edof" study bits $(pages bits) --forc
 # shellcheck disable=SC2046
 stability() { is_made docs/results/stability.md || "$edof" study stability $(pages stability) --force; }
 
+# A network of the default form by the short recipe (8,000 steps, seed 1), unless it is there: short_network FILE OPTIONS...
+short_network() {
+    local file=$1 part=${1%.safetensors}.part.safetensors
+    shift
+    [ ! -e "$file" ] || return 0
+    say "$file"
+    # shellcheck disable=SC2046
+    "$edof" train --form edof-t4w12 --steps 8000 --seed 1 "$@" --name "$(basename "$file" .safetensors)" --out "$part" $(resume "$part") --force
+    mv "$part" "$file"
+}
+
 # shellcheck disable=SC2046
 aperture() { "$edof" study aperture $(rows aperture) $(pages aperture); }
+
+# Networks for two classes of light behind each lens: gain 1 to 10 and 10 to 100 behind the open aperture, more behind a smaller one. No window
+# is without noise. Those with most to say come first. A stopped run goes on; EDOF_APERTURES states fewer networks.
+apertures=""
+for range in 8 4 12; do
+    for least in 1 10; do
+        for lens in coded clear-0 clear-0.5 clear-1; do apertures+=" $lens-$range-from-$least"; done
+    done
+done
+# shellcheck disable=SC2046
+aperture_networks() {
+    local folder=$trained/aperture name lens gain
+    mkdir -p "$folder"
+    "$edof" study aperture --stops 0,0.5,1 --electrons 10000 --cameras "$folder/cameras" > /dev/null
+    for name in ${EDOF_APERTURES:-$apertures}; do
+        lens=${name%-from-*}
+        gain=$(awk -v lens="$lens" -v least="${name##*-from-}" 'BEGIN {
+            parts = split(lens, part, "-")
+            gain = least * (parts == 3 ? 2 ^ part[2] : 1)
+            print gain ":" 10 * gain
+        }')
+        short_network "$folder/$name.safetensors" --camera "$folder/cameras/$lens.json" --tone srgb --gain "$gain" --noiseless 1000000 \
+            --leave-out "$held_back" --no-cache
+    done
+    "$edof" study aperture-networks --networks "$folder" $(rows aperture-networks) $(pages aperture-networks)
+}
+
+# Gains by the correlation of colours, of what has rows; photographs that the networks were not trained on have theirs in docs/results.
+colour() { python3 scripts/colour.py page "$made/colour" "$revision" "$photographs" "$more" "${folds[@]}" > docs/results/colour.md; }
+
+plain_study=(study kodak --tone linear --psi 0,2,4,6,8 --stride 8)
+colour_scenes() {
+    python3 scripts/colour.py scenes "$made/colour/scenes"
+    "$edof" "${plain_study[@]}" --nets "$classes" --images "$made/colour/scenes" --photos all --rows "$made/colour/scenes.jsonl" > /dev/null
+    colour
+}
+
+# The same of training photographs; then networks with and without copies of random saturation, tested on whole training photographs that are
+# left out in turn, some colourful ones each.
+folds=(more05,more08,more20,more03 more06,more11,more14,more13)
+colour_training() {
+    local folder=$made/colour fold nets seen=1,3,5,6,7,8,11,12,13,14,17,18,20,22
+    mkdir -p "$folder"
+    "$edof" "${plain_study[@]}" --nets "$classes" --images "$photographs" --photos train --rows "$folder/train-kodak.jsonl" > /dev/null
+    "$edof" "${plain_study[@]}" --nets "$classes" --images "$more" --photos "$seen" --rows "$folder/train-more.jsonl" > /dev/null
+    for fold in "${folds[@]}"; do
+        nets=$trained/colour/$fold
+        mkdir -p "$nets"
+        short_network "$nets/plain.safetensors" --camera ring-outer --tone linear --leave-out "$held_back,$fold"
+        short_network "$nets/copies.safetensors" --camera ring-outer --tone linear --leave-out "$held_back,$fold" --variants 2
+        "$edof" "${plain_study[@]}" --nets "$nets/plain.safetensors,$nets/copies.safetensors" --images "$more" --photos "${fold//more/}" \
+            --rows "$folder/fold-$fold.jsonl" > /dev/null
+    done
+    colour
+}
 
 # shellcheck disable=SC2046
 tolerances() { "$edof" study tolerances --net "$(by_noise outer)" --psi 0,2,4,6,8 --noise none,0.01 $(rows tolerances) $(pages tolerances); }
@@ -313,7 +386,7 @@ for part in "$@"; do
         linear | srgb) photographs_of "$part" ;;
         held-back) unseen "$part" "$held_back" ;;
         held-back-colourful) unseen "$part" "$colourful" ;;
-        *) "$part" ;;
+        *) "${part//-/_}" ;;
     esac
 done
 say "made of revision $revision: $*"

@@ -1,6 +1,7 @@
 //! Studies, by the real binary on small inputs: rows that are kept, resumed and shared out, and what they say.
 
 use crate::support::{Place, network};
+use edof_camera::Camera;
 use edof_image::{Noise, Tone};
 use edof_network::network::Condition;
 use edof_network::weight_file;
@@ -406,5 +407,48 @@ fn a_coded_lens_is_held_against_smaller_apertures() {
         ("--window 9", "--window 9: must be"),
     ] {
         place.edof(&format!("study aperture {options}")).refused(&[words]);
+    }
+}
+
+#[test]
+fn networks_of_smaller_apertures_are_compared_on_photographs() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/p03.png", 64, 48);
+    place.photo("photos/p06.png", 64, 48);
+    place
+        .edof("study aperture --psi-ranges 4 --stops 0,1 --electrons 1000 --window 8 --cameras cameras")
+        .done();
+    std::fs::create_dir(place.path("nets")).unwrap();
+    for (name, light) in [("coded-4", 1.0), ("clear-0-4", 1.0), ("clear-1-4", 2.0)] {
+        let mut network = network();
+        network.origin.camera =
+            Camera::resolve(place.path(&format!("cameras/{name}.json")).to_str().unwrap()).unwrap();
+        let [least_noise, noise] = [1.0, 10.0].map(|gain| Noise::sensor(gain * light));
+        network.origin.conditions = vec![Condition { tone: Tone::Srgb, noise, least_noise }];
+        weight_file::save_network(&place.path(&format!("nets/{name}.safetensors")), &network).unwrap();
+    }
+    let line = "study aperture-networks --networks nets --images photos --photos all --electrons 1000,100";
+    let run = place.edof(&format!("{line} --rows whole --markdown n.md --report n.html --csv n.csv")).done();
+    assert!(run.out.contains("ψ 0 to 4, 1000 electrons, clear lens at F/"), "{}", run.out);
+    assert!(!run.out.contains("100 electrons, "), "no network is for so little light: {}", run.out);
+    let page = std::fs::read_to_string(place.path("n.md")).unwrap();
+    assert!(page.contains("## Verdict") && page.contains("| clear, F/4.9 | "), "{page}");
+    place.edof(&format!("{line} --rows 1 --shard 1/2")).done();
+    place.edof(&format!("{line} --rows 2 --shard 2/2")).done();
+    place.edof("study merge 1 2 --out merged").done();
+    assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
+    for (options, words) in [
+        (
+            "--networks photos",
+            "--networks photos: has no weight files, expected NAME.safetensors of edof train",
+        ),
+        ("--networks nowhere", "--networks nowhere: No such file"),
+        ("--networks nets --stops 0", "network 'clear-1-4': was trained for camera clear-1-4, expected"),
+        ("--networks nets --electrons 0", "--electrons 0: must be from 1 to 1000000000"),
+    ] {
+        place
+            .edof(&format!("study aperture-networks --images photos --photos all {options}"))
+            .refused(&[words]);
     }
 }

@@ -4,6 +4,7 @@
 use edof_io::photos::{CHOICES, HELD_BACK, OF_HELD_BACK};
 use edof_network::weight_file;
 use edof_storage::provenance::Provenance;
+use edof_study::aperture::networks::ApertureNetworks;
 use edof_study::journal::{Header, Journal, Maker, Program};
 use edof_study::knobs::Knobs;
 use edof_study::known_blurs::KnownBlurs;
@@ -171,6 +172,15 @@ fn the_page_of_tolerances_says_what_its_rows_say() {
     if project().join("docs/results/tolerances.jsonl").exists() {
         let study: Tolerances = told("tolerances");
         assert_eq!(study.method, "edof-t4w12-outer-by-noise.float");
+    }
+}
+
+#[test]
+fn the_page_of_smaller_apertures_with_networks_says_what_its_rows_say() {
+    if project().join("docs/results/aperture-networks.jsonl").exists() {
+        let study: ApertureNetworks = told("aperture-networks");
+        assert_eq!(study.photographs, 8);
+        assert!(read("docs/results/aperture-networks.md").contains(CHOICES));
     }
 }
 

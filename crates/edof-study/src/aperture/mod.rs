@@ -6,6 +6,8 @@
 //! light. They are compared by the closed-form linear estimator ([`edof_optics::estimator`]), which needs no training: the estimator sees
 //! one noise level for each light, that of a pixel of mean light.
 
+mod cameras;
+pub mod networks;
 mod page;
 
 pub use page::{Aperture, Comparison, Reached};
@@ -229,22 +231,10 @@ impl Plan {
 
     /// For each light the best focus of a lens over a range of depths.
     fn best(&self, lens: Lens, stops: f64, range: f64, lights: &[f64]) -> Result<Vec<Best>, JudgeError> {
-        let smaller = (-stops).exp2();
-        let along = |count: usize| (0..count).map(move |i| range * i as f64 / (count - 1) as f64);
-        let task = Task {
-            psis: along(DEPTHS).map(|psi| psi * smaller).collect(),
-            noises: lights.iter().map(|electrons| self.sigma(*electrons, stops)).collect(),
-            window: self.window,
-            worst_weight: 0.5,
-        };
         let mut best: Vec<Option<Best>> = vec![None; lights.len()];
-        for focus_psi in along(FOCUS_STEPS) {
-            let camera = Camera { focus_psi: focus_psi * smaller, ..self.closed(lens, stops) };
-            let Verdict { psnr_db, .. } = judge(&camera, &self.statistics, &task)?;
-            for (best, db) in best.iter_mut().zip(&psnr_db) {
-                let average_db = db.iter().sum::<f64>() / db.len() as f64;
-                let worst_db = db.iter().copied().fold(f64::INFINITY, f64::min);
-                let found = Best { focus_psi, average_db, worst_db };
+        for focus_psi in along(range, FOCUS_STEPS) {
+            let camera = self.focused(lens, stops, focus_psi);
+            for (best, found) in best.iter_mut().zip(self.judged(&camera, stops, range, lights)?) {
                 if best.is_none_or(|best| found.score() > best.score()) {
                     *best = Some(found);
                 }
@@ -252,6 +242,40 @@ impl Plan {
         }
         Ok(best.into_iter().flatten().collect())
     }
+
+    /// A lens of the comparison with a focus in ψ of the open aperture.
+    fn focused(&self, lens: Lens, stops: f64, focus_psi: f64) -> Camera {
+        Camera { focus_psi: focus_psi * (-stops).exp2(), ..self.closed(lens, stops) }
+    }
+
+    /// For each light what a lens, closed by some stops, reaches with its own focus over a range of depths.
+    fn judged(
+        &self,
+        camera: &Camera,
+        stops: f64,
+        range: f64,
+        lights: &[f64],
+    ) -> Result<Vec<Best>, JudgeError> {
+        let smaller = (-stops).exp2();
+        let task = Task {
+            psis: along(range, DEPTHS).map(|psi| psi * smaller).collect(),
+            noises: lights.iter().map(|electrons| self.sigma(*electrons, stops)).collect(),
+            window: self.window,
+            worst_weight: 0.5,
+        };
+        let Verdict { psnr_db, .. } = judge(camera, &self.statistics, &task)?;
+        let reached = |db: &Vec<f64>| Best {
+            focus_psi: camera.focus_psi / smaller,
+            average_db: db.iter().sum::<f64>() / db.len() as f64,
+            worst_db: db.iter().copied().fold(f64::INFINITY, f64::min),
+        };
+        Ok(psnr_db.iter().map(reached).collect())
+    }
+}
+
+/// Evenly spread from 0 to the end of a range of ψ, both included.
+fn along(range: f64, count: usize) -> impl Iterator<Item = f64> {
+    (0..count).map(move |i| range * i as f64 / (count - 1) as f64)
 }
 
 #[cfg(test)]

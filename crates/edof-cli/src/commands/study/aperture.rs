@@ -15,12 +15,14 @@ use std::path::PathBuf;
 /// The coded lens against its own clear lens at smaller apertures, in the same light: who is better, by how much
 ///
 /// Same scene, exposure time and sensor. Each stop halves the light and the defocus. Both lenses are judged by the closed-form linear estimator
-/// of edof optics design and focused where they are best. Seconds, no training, no pictures.
+/// of edof optics design and focused where they are best. Seconds, no training, no pictures. With --cameras it also writes every lens as a camera
+/// file; edof study aperture-networks compares the networks that were trained for them.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   edof study aperture --report aperture.html
-  edof study aperture --camera mine.json --psi-ranges 6 --electrons 5000,500 --stops 0,1,2")]
+  edof study aperture --camera mine.json --psi-ranges 6 --electrons 5000,500 --stops 0,1,2
+  edof study aperture --stops 0,1 --cameras cameras")]
 pub struct Args {
     /// The coded lens: a preset or a camera file; the clear one is the same lens without its mask
     #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
@@ -54,6 +56,10 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     images: Option<PathBuf>,
 
+    /// Folder for every lens, aperture and range as a camera file with its best focus, for networks to be trained for
+    #[arg(long, value_name = "DIR")]
+    cameras: Option<PathBuf>,
+
     #[command(flatten)]
     rows: MayKeepRows,
 
@@ -66,8 +72,22 @@ pub struct Args {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = Files::new(ui).reads(&args.camera);
     let files = args.images.iter().fold(files, Files::reads_pictures_of);
-    args.outputs.of(args.rows.of(files)).check()?;
     let plan = args.plan(ui)?;
+    let files = match &args.cameras {
+        Some(folder) => files.writes_into(
+            "--cameras",
+            folder,
+            plan.camera_names().iter().map(|name| format!("{name}.json")),
+        ),
+        None => files,
+    };
+    args.outputs.of(args.rows.of(files)).check()?;
+    if let Some(folder) = &args.cameras {
+        for camera in plan.cameras()? {
+            let file = folder.join(format!("{}.json", camera.name));
+            edof_storage::atomic::write(&file, camera.to_json().as_bytes())?;
+        }
+    }
     let journal = measured(&mut Comparing::new(&plan), args.rows.rows.as_ref(), &args.rows.part, ui)?;
     tell::<Aperture>(&journal, &args.outputs, ui)
 }
@@ -104,14 +124,14 @@ impl Args {
 }
 
 /// Ascending, each once.
-fn sorted(values: &[f64]) -> Vec<f64> {
+pub(super) fn sorted(values: &[f64]) -> Vec<f64> {
     let mut values = values.to_vec();
     values.sort_by(f64::total_cmp);
     values.dedup();
     values
 }
 
-fn all_within(option: &str, values: &[f64], min: f64, max: f64) -> Result<(), Error> {
+pub(super) fn all_within(option: &str, values: &[f64], min: f64, max: f64) -> Result<(), Error> {
     match values.iter().find(|value| !(min..=max).contains(*value)) {
         None => Ok(()),
         Some(value) => Err(Error::message(format!(

@@ -1,6 +1,7 @@
 //! `edof study`: experiments on photographs.
 
 mod aperture;
+mod aperture_networks;
 mod bits;
 mod blind;
 mod design;
@@ -49,6 +50,7 @@ enum Experiment {
     Stability(stability::Args),
     Bits(bits::Args),
     Aperture(aperture::Args),
+    ApertureNetworks(aperture_networks::Args),
     Tolerances(tolerances::Args),
 }
 
@@ -67,6 +69,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Experiment::Stability(args) => stability::run(args, ui),
         Experiment::Bits(args) => bits::run(args, ui),
         Experiment::Aperture(args) => aperture::run(args, ui),
+        Experiment::ApertureNetworks(args) => aperture_networks::run(args, ui),
         Experiment::Tolerances(args) => tolerances::run(args, ui),
     }
 }
