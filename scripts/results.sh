@@ -201,7 +201,7 @@ done
 aperture_networks() {
     local folder=$trained/aperture name lens gain
     mkdir -p "$folder"
-    "$edof" study aperture --stops 0,0.5,1 --electrons 10000 --cameras "$folder/cameras" > /dev/null
+    "$edof" study aperture --stops 0,0.5,1 --electrons 10000 --cameras "$folder/cameras" --force > /dev/null
     for name in ${EDOF_APERTURES:-$apertures}; do
         lens=${name%-from-*}
         gain=$(awk -v lens="$lens" -v least="${name##*-from-}" 'BEGIN {
