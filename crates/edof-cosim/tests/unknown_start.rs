@@ -6,6 +6,7 @@ use crate::common::committed;
 use crate::support;
 use edof_cosim::verilator::{Library, Start};
 use edof_cosim::{Layout, Rows, Source, icarus};
+use edof_hdl::board::i2c_master::I2cMaster;
 use edof_hdl::board::{BoardRegisters, Identity, UartBus};
 
 /// Cycles of reset at the start.
@@ -54,6 +55,12 @@ fn the_serial_line_knows_what_it_does_after_a_reset() {
     let source = Source::circuit(&mut UartBus::new(16, 500)).unwrap();
     known_after_reset(&source, 16, &[], &["data_o", "addr_o"]);
     known_after_reset(&source, 3, &[], &["data_o", "addr_o"]);
+}
+
+#[test]
+fn the_i2c_master_knows_what_it_does_after_a_reset() {
+    let source = Source::circuit(&mut I2cMaster::new(4)).unwrap();
+    known_after_reset(&source, 9, &[], &["value_o"]);
 }
 
 #[test]
