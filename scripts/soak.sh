@@ -53,6 +53,13 @@ mutants-5       scripts/mutants.sh --draw 100 --seed 2022 --core
 fuzz-1          scripts/fuzz.sh 5 design camera pnm picture
 fuzz-2          scripts/fuzz.sh 5 dng raw arrays bank
 fuzz-3          scripts/fuzz.sh 5 record weights replies
+serial-line     tests circuits host::
+words-1         scripts/words.sh 1
+words-2         scripts/words.sh 2
+words-3         scripts/words.sh 3
+words-4         scripts/words.sh 4
+words-5         scripts/words.sh 5
+words-6         scripts/words.sh 6
 PARTS
 }
 
@@ -85,6 +92,9 @@ results() {
     cargo build -q --release --locked -p edof-cli && python3 scripts/soak-rows.py "$target/release/edof"
 }
 
+# A number with a comma before each three digits.
+grouped() { sed ':again; s/\B[0-9]\{3\}\>/,&/; t again' <<<"$1"; }
+
 names() { parts | cut -d' ' -f1; }
 
 run() {
@@ -102,15 +112,21 @@ run() {
 
 passed() { grep -qs ' passed ' "$target/soak/$revision/$1.result"; }
 
-# The latest result of each part, of whatever revision.
+# The latest result of each part, of whatever revision. Below the table, the words that the latest parts words-… compared, by revision.
 log() {
-    local name latest
+    local name latest commit words
+    declare -A compared=()
     echo "| part | revision | seconds | result |"
     echo "|---|---|---|---|"
     for name in $(names); do
         latest=$(cat "$target"/soak/*/"$name".result 2>/dev/null | sort -n -k4 | tail -n 1) || true
         read -r commit seconds result _ <<<"${latest:-– – not-run –}"
-        echo "| \`$name\` | $commit | $seconds | ${result//-/ } |"
+        words=$(sed -n 's/^\([0-9]*\) words compared in .*/\1/p' "$target/soak/$commit/$name.log" 2>/dev/null) || true
+        [ "$result" != passed ] || [ -z "$words" ] || compared[$commit]=$((${compared[$commit]:-0} + words))
+        echo "| \`$name\` | $commit | $seconds | ${result//-/ }${words:+, $(grouped "$words") words} |"
+    done
+    for commit in "${!compared[@]}"; do
+        printf '\nWords compared between circuit and model on %s: %s.\n' "$commit" "$(grouped "${compared[$commit]}")"
     done
 }
 

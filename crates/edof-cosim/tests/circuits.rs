@@ -44,6 +44,7 @@ mod testbench;
 mod timing;
 mod top;
 mod trees;
+mod unknown_start;
 mod verilator;
 mod video;
 mod video_blocks;
