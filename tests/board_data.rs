@@ -190,6 +190,60 @@ fn captures_and_generated_sources_tell_how_far_they_are() {
     }
 }
 
+/// Seconds of a day in a line's time.
+fn seconds(line: &Value) -> f64 {
+    let time = line["time"].as_str().unwrap().split_once('T').unwrap().1.trim_end_matches('Z');
+    time.split(':').fold(0.0, |sum, part| 60.0 * sum + part.parse::<f64>().unwrap())
+}
+
+#[test]
+fn progress_states_the_seconds_since_the_work_began() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    for name in ["a", "b"] {
+        place.photo(&format!("photos/{name}.png"), 288, 256);
+    }
+    let dictionary =
+        "study dictionary --images photos --photos all --out d --atoms 8 --patches 2000 --rounds 4";
+    for (command, what, steps) in
+        [("optics clear --psi 0,4,8 --out oo", "depths", 3), (dictionary, "rounds", 4)]
+    {
+        let lines = progress(&place.edof(&format!("{command} --progress json")).done().err);
+        let own: Vec<&Value> = lines.iter().filter(|line| line["progress"] == what).collect();
+        let last = own.last().unwrap();
+        assert_eq!((&last["done"], &last["total"]), (&steps.into(), &steps.into()), "{command}: {lines:?}");
+        // A run over midnight is a day long.
+        let passed = (seconds(last) - seconds(own[0])).rem_euclid(86_400.0);
+        let told = last["seconds"].as_f64().unwrap();
+        assert!((told - passed).abs() < 0.1, "{command}: {told} s, {passed} s passed: {lines:?}");
+    }
+}
+
+#[test]
+fn wrong_usage_is_data_for_programs_too() {
+    let place = Place::new();
+    let run = place.edof("capture photo.png --spam --progress json");
+    let lines = progress(&run.err);
+    assert_eq!((run.code, lines.len()), (Some(2), 1), "{}", run.err);
+    assert!(
+        lines[0]["error"].as_str().unwrap().starts_with("unexpected argument '--spam' found"),
+        "{lines:?}"
+    );
+    for line in
+        ["board get --json", "board bank c --json", "board --json - info --timeout x", "board spam --json=-"]
+    {
+        let run = place.edof(line);
+        let told = object(&run);
+        assert_eq!(run.code, Some(2), "{line}");
+        assert!(
+            !told["error"].as_str().unwrap().contains('\n') && run.err.starts_with("error: "),
+            "{line}: {told}"
+        );
+    }
+    // Others print data where there are results alone.
+    assert_eq!(place.edof("capture photo.png --spam --json").out, "");
+}
+
 #[test]
 fn long_work_writes_its_progress_remarks_and_failure_as_lines_of_data() {
     let place = Place::new();

@@ -33,6 +33,38 @@ fn a_finished_network_is_replaced_by_force_alone() {
 }
 
 #[test]
+fn of_two_trainings_of_one_network_the_second_is_rejected() {
+    let place = ready();
+    let long =
+        TRAIN.replace("--steps 4", "--steps 100000").replace("--validate-every 2", "--validate-every 20");
+    let mut first = place.command(&format!("{long} --photos all --quiet")).spawn().unwrap();
+    let checkpoint = place.path("net.safetensors.checkpoint");
+    for _ in 0..600 {
+        if checkpoint.exists() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(100));
+    }
+    let run = place.edof(&format!("{TRAIN} --photos all --seed 2"));
+    first.kill().unwrap();
+    first.wait().unwrap();
+    run.refused(&[
+        "--out net.safetensors: another training is writing it; wait for it, or name another file",
+    ]);
+    // Nobody writes it now; what the first one left can be resumed, with its own options alone.
+    place
+        .edof(&format!("{TRAIN} --photos all --seed 1"))
+        .refused(&["net.safetensors.checkpoint: checkpoint of an unfinished run"]);
+    let run = place.edof(&format!(
+        "{} --photos all --resume --no-cache --quiet",
+        long.replace("--batch 64", "--batch 32")
+    ));
+    run.refused(&[
+        "net.safetensors.checkpoint: made with batch 64, cannot be resumed with 32; give the options",
+    ]);
+}
+
+#[test]
 fn what_is_resumed_must_be_there() {
     let place = ready();
     place.edof(&format!("{TRAIN} --resume")).refused(&["there is no checkpoint", "leave --resume out"]);

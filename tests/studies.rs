@@ -265,7 +265,7 @@ fn blind_deconvolution_is_tried_on_random_blurs() {
     std::fs::create_dir(place.path("photos")).unwrap();
     place.photo("photos/p03.png", 64, 48);
     let run = place.edof("study blind --images photos --side 7 --csv rows.csv").done();
-    assert!(run.out.contains("Over 3 blurred photographs: "), "{}", run.out);
+    assert!(run.out.contains("Over 3 synthetic blurs of 1 photograph: "), "{}", run.out);
     let csv = std::fs::read_to_string(place.path("rows.csv")).unwrap();
     assert!(csv.starts_with("image,blur,side,blurred_db,") && csv.lines().count() == 4, "{csv}");
     let line = "study blind --images photos --side 7 --rows";
@@ -273,7 +273,7 @@ fn blind_deconvolution_is_tried_on_random_blurs() {
     place.edof(&format!("{line} 2 --shard 2/2")).done();
     place.edof(&format!("{line} whole")).done();
     let merged = place.edof("study merge 1 2 --out merged").done();
-    assert!(merged.out.contains("Over 3 blurred photographs: "), "{}", merged.out);
+    assert!(merged.out.contains("Over 3 synthetic blurs of 1 photograph: "), "{}", merged.out);
     assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
     place.edof("study blind --images photos --side 4").refused(&["--side 4: must be odd"]);
 }
@@ -308,6 +308,32 @@ fn hard_cases_are_run_and_a_broken_promise_is_a_failure_that_names_them() {
         .refused(&["--only nothing-of-the-kind: no case"]);
 }
 
+/// Rows that are kept, of a revision that is not this one.
+#[test]
+fn a_report_opens_with_its_verdict_and_names_what_measured_its_rows() {
+    let place = Place::new();
+    for (name, rows) in [
+        ("aperture", &include_bytes!("../docs/results/aperture.jsonl")[..]),
+        ("tolerances", include_bytes!("../docs/results/tolerances.jsonl")),
+        ("blind", include_bytes!("../docs/results/blind.jsonl")),
+        ("knobs", include_bytes!("../docs/results/knobs.jsonl")),
+        ("single-depth", include_bytes!("../docs/results/single-depth.jsonl")),
+    ] {
+        place.write("rows.jsonl", rows);
+        place.edof(&format!("study merge rows.jsonl --out {name}.jsonl --report {name}.html")).done();
+        let page = std::fs::read_to_string(place.path(&format!("{name}.html"))).unwrap();
+        let body = page.split_once("</h1>").unwrap().1.trim_start();
+        assert!(body.starts_with("<p class=\"verdict\">"), "{name}: {}", &body[..200]);
+        let header: serde_json::Value =
+            serde_json::from_slice(rows.split(|byte| *byte == b'\n').next().unwrap()).unwrap();
+        let told = match header["revision"].as_str() {
+            Some(revision) => format!("# rows of revision {revision}, "),
+            None => "# rows of an unknown revision, ".to_owned(),
+        };
+        assert!(page.contains(&told), "{name}: {told}");
+    }
+}
+
 #[test]
 fn bits_of_each_stage_are_reported_and_the_fewest_that_lose_next_to_nothing() {
     let place = Place::new();
@@ -331,7 +357,10 @@ fn bits_of_each_stage_are_reported_and_the_fewest_that_lose_next_to_nothing() {
             .unwrap()
             .contains("| 16 | 0.0000 | 0.0000 | 0.0000 | 0.0000 |")
     );
-    assert!(std::fs::read_to_string(place.path("b.html")).unwrap().contains("<svg"));
+    let page = std::fs::read_to_string(place.path("b.html")).unwrap();
+    let verdict = "<p class=\"verdict\">With 0.02\u{a0}dB allowed, small needs these bits: I ";
+    assert!(page.contains("<svg") && page.contains(verdict), "{page}");
+    assert!(page.contains("dB lost together"), "{page}");
     place.edof("study bits --allowed nan").refused(&["--allowed NaN: must be 0 or more"]);
 }
 

@@ -194,6 +194,16 @@ fn banks(place: &Place) {
         ],
     );
     store("cut.npz", &[("psi.npy", &npy("<f8", "(3,)", &doubles(&[4.0, 0.0])))]);
+    // Both arrays are whole, the list of them behind them is not there.
+    let whole = std::fs::read(place.path("flat.npz")).unwrap();
+    place.write("half.npz", &whole[..whole.len() - 100]);
+    // The method of compression is bzip2's.
+    let mut packed = whole;
+    for (mark, offset) in [(&b"PK\x03\x04"[..], 8), (b"PK\x01\x02", 10)] {
+        let at = packed.windows(4).position(|word| word == mark).unwrap();
+        packed[at + offset] = 12;
+    }
+    place.write("bzip2.npz", packed);
     place.write("lens.npy", &psi);
     place.write("my-psf.npy", &flat);
     let header = br#"{"psi":{"dtype":"F64","shape":[1],"data_offsets":[0,8]},"psi":{"dtype":"F64","shape":[1],"data_offsets":[0,8]}}"#;
@@ -204,7 +214,9 @@ fn banks(place: &Place) {
 
 /// What a message has of Rust, or of numbers that nobody reads.
 fn of_rust(line: &str) -> Option<&'static str> {
-    const WORDS: [&str; 18] = [
+    const WORDS: [&str; 20] = [
+        "os error",
+        "Unsupported(",
         "Some(",
         "None",
         "Ok(",
@@ -248,6 +260,10 @@ fn strange() -> Place {
         "\u{feff}{\"name\":\"x\"}".encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>(),
     );
     place.write("rows.jsonl", "{\"study\":\"knobs\",\"layout\":1,\"exact\":false,\"machine\":\"m\"}\n");
+    place.write(
+        "knobs.jsonl",
+        "{\"study\":\"knobs\",\"layout\":1,\"exact\":false,\"machine\":\"m\"}\n{\"knob\": 3\n{}\n",
+    );
     place.write("twice.json", r#"{"layers": [], "layers": []}"#);
     let layers = |name: &str, layers: &str| place.write(name, format!("{{\"layers\": [{layers}]}}"));
     layers("s-missing.json", r#"{"picture": "nothere.png", "depth": 1}"#);
@@ -275,6 +291,7 @@ fn strange() -> Place {
     record("r-black.png", "black_level", 70000.into());
     record("r-white.png", "white_level", 0.into());
     record("r-balance.png", "white_balance", serde_json::json!([1, 2]));
+    record("r-bright.png", "white_balance", serde_json::json!([1e30, 1, 1]));
     record("r-dark.png", "white_balance", serde_json::json!([0, 1, 1]));
     record("r-matrix.png", "colour_matrix", serde_json::json!([[1, 0, 0]]));
     record("r-align.png", "alignment", "left".into());

@@ -182,7 +182,20 @@ pub const ARRAYS: &[Row] = &[
         "--psi 1 --psf-bank lens.npy",
         &["lens.npy", "it holds one array: name it …psf.npy and put …psi.npy beside it"],
     ),
-    (CAPTURE, "--psi 1 --psf-bank my-psf.npy", &["my-psi.npy: cannot read"]),
+    (CAPTURE, "--psi 1 --psf-bank my-psf.npy", &["my-psi.npy: cannot read: No such file or directory"]),
+    (
+        CAPTURE,
+        "--psi 1 --psf-bank half.npz",
+        &["half.npz", "its list of arrays is missing, which is at its end: the file is cut; copy it again"],
+    ),
+    (
+        CAPTURE,
+        "--psi 1 --psf-bank bzip2.npz",
+        &[
+            "bzip2.npz",
+            "psi: compressed by method 12 of ZIP; write it by numpy.savez_compressed or numpy.savez",
+        ],
+    ),
     (CAPTURE, "--psi 1 --psf-bank /dev/zero", &["/dev/zero: cannot read: a device"]),
 ];
 

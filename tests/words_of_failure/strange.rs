@@ -74,6 +74,7 @@ pub const SCENES: &[Row] = &[
         ],
     ),
     ("reconstruct r-balance.png", REREAD, &["r-balance.png.json", "a list of 2, expected a list of 3"]),
+    ("reconstruct r-bright.png", REREAD, &["r-bright.png.json", "white balance '1e30,1,1': must be factors"]),
     ("reconstruct r-dark.png", REREAD, &["r-dark.png.json", "white balance '0,1,1': must be factors"]),
     ("reconstruct r-matrix.png", REREAD, &["r-matrix.png.json", "a list of 1, expected a list of 3"]),
     (
@@ -216,6 +217,61 @@ pub const STRANGE: &[Row] = &[
         &["--kind natural: makes", "of --bits 16 only", "of --bits 8"],
     ),
     ("random-network --out o", "--bits 20", &["--bits 20: must be 8 to 16"]),
+    (
+        "board sim",
+        "--design mine.json --weights net.fixed.safetensors",
+        &["--design mine.json: network small does not fit", "edof random-network --design mine.json"],
+    ),
+    (
+        "board sim",
+        "--design tiny --weights paper-t4",
+        &[
+            "network paper-t4 does not fit design tiny",
+            "make one that does by 'edof random-network --design tiny'",
+        ],
+    ),
+    (RECONSTRUCT, "--device gpu:99", &["--device gpu:99: no "]),
+    (
+        "capture photo.png --psi 1 --out photo.png/o.png",
+        "",
+        &["--out photo.png/o.png: cannot write: Not a directory"],
+    ),
+    (CAPTURE, "--sharp photo.png/s.png", &["--sharp photo.png/s.png: cannot write: Not a directory"]),
+    (
+        "train --form two-sided,w8,t2,c8 --camera clear --images photos --photos all",
+        "--out photo.png/net",
+        &["--out photo.png/net: cannot write: Not a directory"],
+    ),
+    (
+        "cosim --design tiny",
+        "--waveform photo.png/w",
+        &["--waveform photo.png/w", "cannot write: Not a directory"],
+    ),
+    ("cosim --design tiny", "--junit folder.png", &["--junit folder.png: cannot write: is a directory"]),
+    ("doctor", "--json folder.png", &["--json folder.png: cannot write: is a directory"]),
+    (
+        "study bits",
+        "--markdown photo.png/m.md",
+        &["--markdown photo.png/m.md: cannot write: Not a directory"],
+    ),
+    ("study bits", "--report folder.png", &["--report folder.png: cannot write: is a directory"]),
+    (
+        "explore --weights paper-t4",
+        "--json photo.png/x",
+        &["--json photo.png/x: cannot write: Not a directory"],
+    ),
+    ("optics design", "--out photo.png/x.json", &["--out photo.png/x.json: cannot write: Not a directory"]),
+    (
+        "design new --weights paper-t4",
+        "--out folder.png",
+        &["--out folder.png: cannot write: is a directory"],
+    ),
+    ("random-network", "--out folder.png", &["--out folder.png: cannot write: is a directory"]),
+    (
+        "study merge knobs.jsonl",
+        "--out o",
+        &["knobs.jsonl: line 2: not a row of a study", "delete the line: its row is measured again"],
+    ),
     ("board get spam --port nothere", "", &["register 'spam': there is none; edof board dump lists all"]),
     (
         "board info",

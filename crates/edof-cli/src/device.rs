@@ -1,6 +1,7 @@
 //! What a network runs on: the processor, or a device behind OpenCL.
 
-use edof_gpu::{Device as Gpu, GpuError};
+use crate::error::Error;
+use edof_gpu::Device as Gpu;
 use std::fmt;
 use std::str::FromStr;
 
@@ -27,11 +28,13 @@ impl Device {
     /// Opens the device; none for the processor.
     ///
     /// # Errors
-    /// [`GpuError`] where there is no such device.
-    pub fn open(self) -> Result<Option<Gpu>, GpuError> {
+    /// Where there is no such device.
+    pub fn open(self) -> Result<Option<Gpu>, Error> {
         match self {
             Self::Cpu => Ok(None),
-            Self::Gpu(wanted) => Gpu::open(wanted).map(Some),
+            Self::Gpu(wanted) => {
+                Gpu::open(wanted).map(Some).map_err(|e| Error::message(format!("--device {self}: {e}")))
+            }
         }
     }
 }

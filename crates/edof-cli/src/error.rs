@@ -70,7 +70,21 @@ impl<E: std::error::Error + Send + Sync + 'static> From<E> for Error {
 /// Text from parsers and libraries may hold line breaks; file names may hold control characters.
 fn one_line(text: &str) -> String {
     let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
-    lines.join("; ").chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+    let line: String = lines.join("; ").chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    without_numbers(&line)
+}
+
+/// What the system says comes with its number as the standard library writes it, which helps nobody.
+fn without_numbers(line: &str) -> String {
+    let mut parts = line.split(" (os error ");
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        match part.split_once(')') {
+            Some((number, rest)) if number.chars().all(|c| c.is_ascii_digit()) => text += rest,
+            _ => text += &format!(" (os error {part}"),
+        }
+    }
+    text
 }
 
 #[cfg(test)]
@@ -80,6 +94,8 @@ mod tests {
     #[test]
     fn an_error_of_several_lines_is_shown_as_one() {
         assert_eq!(Error::message("first\n  second\n").to_string(), "first; second");
+        let told = Error::message("a: No such file or directory (os error 2); b: (os error x)").to_string();
+        assert_eq!(told, "a: No such file or directory; b: (os error x)");
     }
 
     #[test]

@@ -141,7 +141,9 @@ impl Files {
         }
         self.written[..self.new].iter().try_for_each(|(option, file, kind)| is_new(*kind, option, file))?;
         self.written[self.forced..].iter().try_for_each(|(option, file, kind)| is_of(*kind, option, file))?;
-        self.written.iter().try_for_each(|(_, file, _)| Ok(atomic::check(file)?))
+        self.written.iter().try_for_each(|(option, file, _)| {
+            atomic::check(file).map_err(|e| Error::message(format!("{option} {e}")))
+        })
     }
 }
 

@@ -195,8 +195,9 @@ impl Ui {
         } else {
             ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden())
         };
-        let plain = (!terminal && !self.quiet)
-            .then(|| Mutex::new(Plain { last: Instant::now(), told: None, first: None }));
+        let plain = (!terminal && !self.quiet).then(|| {
+            Mutex::new(Plain { begun: Instant::now(), last: Instant::now(), told: None, first: None })
+        });
         if plain.is_some() && in_data() {
             data_line(&serde_json::json!({ "progress": what, "done": 0, "total": total }));
         }
@@ -213,6 +214,8 @@ pub struct Progress {
 
 /// Progress in lines.
 struct Plain {
+    /// When the work began.
+    begun: Instant,
     /// When the last one was written.
     last: Instant,
     /// Last step that was reported to a program.
@@ -250,12 +253,13 @@ impl Progress {
         }
         (plain.last, plain.told) = (Instant::now(), Some(position));
         let (done, to_do) = (position.saturating_sub(first), total.saturating_sub(position));
+        let left = seconds_left(begun.elapsed(), done, to_do);
         data_line(&serde_json::json!({
             "progress": self.what,
             "done": position,
             "total": total,
-            "seconds": begun.elapsed().as_secs_f64(),
-            "seconds_left": seconds_left(begun.elapsed(), done, to_do),
+            "seconds": plain.begun.elapsed().as_secs_f64(),
+            "seconds_left": left,
             "message": self.bar.message(),
         }));
     }
@@ -349,6 +353,11 @@ fn data_line(what: &serde_json::Value) {
         line.extend(what.clone());
     }
     last_line(&line.to_string());
+}
+
+/// The line of wrong usage, for a program that reads lines of data.
+pub fn wrong_usage(text: &str) {
+    data_line(&serde_json::json!({ "error": text }));
 }
 
 /// The line of a failure.

@@ -1,5 +1,6 @@
 //! Wrong usage: what the parser of options says of it, in words that are not those of Rust.
 
+use crate::ui;
 use std::error::Error;
 use std::io::Write;
 use std::num::{IntErrorKind, ParseFloatError, ParseIntError};
@@ -9,16 +10,54 @@ pub fn exit(error: &clap::Error) -> ! {
     if !error.use_stderr() {
         std::process::exit(help(error));
     }
-    let Some((found, expected)) = error.source().and_then(in_plain_words) else { error.exit() };
-    eprint!("{}", error.render().to_string().replacen(&found, &expected, 1));
+    let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+    let plain = error.source().and_then(in_plain_words);
+    let (is_object, is_line) = (wants_object(&words), wants_lines(&words));
+    if plain.is_none() && !is_object && !is_line {
+        error.exit();
+    }
+    let text = error.render().to_string();
+    let text = plain.map_or(text.clone(), |(found, expected)| text.replacen(&found, &expected, 1));
+    if is_object {
+        let told = serde_json::json!({ "error": in_one_line(&text) });
+        let _ = writeln!(std::io::stdout().lock(), "{told:#}");
+    }
+    if is_line {
+        ui::wrong_usage(&in_one_line(&text));
+    } else {
+        let _ = write!(std::io::stderr().lock(), "{text}");
+    }
     std::process::exit(error.exit_code());
+}
+
+/// Whether a program reads standard error: `--progress json`.
+fn wants_lines(words: &[String]) -> bool {
+    words.windows(2).any(|pair| pair == ["--progress", "json"])
+        || words.iter().any(|word| word == "--progress=json")
+}
+
+/// Whether a program reads the result of a board's command on standard output: `--json` or `--json -`.
+fn wants_object(words: &[String]) -> bool {
+    let next = |place: usize| words.get(place + 1).is_none_or(|word| word.starts_with('-'));
+    let asked =
+        words.iter().enumerate().any(|(place, word)| (word == "--json" && next(place)) || word == "--json=-");
+    asked && words.get(1).is_some_and(|word| word == "board")
+}
+
+/// What is wrong and what is right, without the lines that explain usage.
+fn in_one_line(text: &str) -> String {
+    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let own: Vec<&str> =
+        lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more")).collect();
+    let line = own.join(" ");
+    line.strip_prefix("error: ").unwrap_or(&line).to_owned()
 }
 
 /// Prints help or the version; gives the exit status.
 fn help(text: &clap::Error) -> i32 {
     match text.print().and_then(|()| std::io::stdout().flush()) {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
-            eprintln!("edof: standard output: cannot write: {e}");
+            eprintln!("edof: standard output: cannot write: {}", edof_storage::atomic::reason(&e));
             1
         }
         _ => 0,
@@ -64,6 +103,26 @@ mod tests {
         assert_eq!(words(&"256".parse::<u8>().unwrap_err()), Some("the number is too large"));
         assert_eq!(words(&"x".parse::<f64>().unwrap_err()), Some("expected a number"));
         assert_eq!(words(&std::fmt::Error), None);
+    }
+
+    #[test]
+    fn programs_are_told_in_one_line() {
+        let text = "error: unexpected argument '--x' found\n\n  tip: a similar one exists: '--y'\n\nUsage: edof [OPTIONS]\n\nFor more";
+        assert_eq!(in_one_line(text), "unexpected argument '--x' found tip: a similar one exists: '--y'");
+        let words = |line: &str| -> Vec<String> { line.split(' ').map(str::to_owned).collect() };
+        assert!(
+            wants_lines(&words("edof train --progress json"))
+                && wants_lines(&words("edof train --progress=json"))
+        );
+        assert!(!wants_lines(&words("edof train --progress text --name json")));
+        assert!(
+            wants_object(&words("edof board info --json"))
+                && wants_object(&words("edof board --json --x info"))
+        );
+        assert!(
+            !wants_object(&words("edof board info --json file"))
+                && !wants_object(&words("edof weights x --json"))
+        );
     }
 
     #[test]

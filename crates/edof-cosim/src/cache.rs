@@ -54,7 +54,10 @@ pub fn obtain(
     if !path.is_file() {
         let folder = work::folder()?;
         make(folder.path())?;
-        install(&folder.path().join(name), &path)?;
+        let own = folder.path().join(name);
+        if install(&own, &path).is_err() {
+            return Ok(Product { path: own, _work: Some(folder) });
+        }
     }
     Ok(Product { path, _work: None })
 }
@@ -70,8 +73,10 @@ fn lock(path: &Path) -> Option<File> {
 /// Copies, then renames, so that nobody ever sees half a file.
 fn install(from: &Path, to: &Path) -> Result<(), Error> {
     let half = to.with_extension("half");
-    fs::copy(from, &half).map_err(at(from))?;
-    fs::rename(&half, to).map_err(at(to))
+    fs::copy(from, &half).and_then(|_| fs::rename(&half, to)).map_err(|e| {
+        let _ = fs::remove_file(&half);
+        at(to)(e)
+    })
 }
 
 #[cfg(test)]
@@ -108,6 +113,17 @@ mod tests {
         let make = |work: &Path| fs::write(work.join("x"), "product").map_err(at(work));
         let product = obtain(Some(Path::new("/proc/no/such/place")), "x", make).unwrap();
         assert_eq!(fs::read_to_string(&product.path).unwrap(), "product");
+    }
+
+    #[test]
+    fn a_cache_without_room_for_the_product_is_done_without() {
+        let cache = tempfile::tempdir().unwrap();
+        // Nothing can be copied there, as on a disk that is full.
+        fs::create_dir(cache.path().join("x.half")).unwrap();
+        let make = |work: &Path| fs::write(work.join("x"), "product").map_err(at(work));
+        let product = obtain(Some(cache.path()), "x", make).unwrap();
+        assert_eq!(fs::read_to_string(&product.path).unwrap(), "product");
+        assert!(!cache.path().join("x").exists());
     }
 
     #[test]

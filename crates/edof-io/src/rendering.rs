@@ -1,7 +1,7 @@
 //! From the sensor's own colours to those of a screen: white balance, then a colour matrix. It is done to the picture, not to the raw
 //! frame, for a network is trained on the sensor's own light.
 
-use edof_image::ColourFrame;
+use edof_image::{ColourFrame, words};
 use ndarray::Axis;
 use serde::{Deserialize, Serialize};
 
@@ -61,7 +61,7 @@ fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
 }
 
 fn listed(numbers: &[f64]) -> String {
-    numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
+    numbers.iter().map(|value| words::number(*value)).collect::<Vec<_>>().join(",")
 }
 
 impl TryFrom<[f64; 3]> for WhiteBalance {

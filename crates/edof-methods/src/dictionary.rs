@@ -4,7 +4,7 @@ use edof_image::colour::RGB_OUTPUTS;
 use edof_image::geometry::{PATCH, PATCH_PIXELS};
 use edof_io::photos::Photo;
 use edof_numerics::random::Random;
-use edof_sparse::ksvd::{Settings, ksvd};
+use edof_sparse::ksvd::{Settings, ksvd_with};
 use edof_storage::atomic::{self, WriteError};
 use edof_storage::digest::sha256;
 use edof_storage::input;
@@ -14,6 +14,7 @@ use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::io::Read;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 /// The first atoms of a dictionary are one colour each, without pattern: every patch may use them.
@@ -104,6 +105,18 @@ impl Recipe {
 /// # Errors
 /// [`DictionaryError::Recipe`] or [`DictionaryError::Small`].
 pub fn learn(photos: &[Photo], recipe: Recipe) -> Result<(Array2<f32>, f64), DictionaryError> {
+    learn_with(photos, recipe, |_, _| ControlFlow::Continue(()))
+}
+
+/// The same with a call after each round, which gets its number and error and may end the work: then the dictionary of the rounds until then.
+///
+/// # Errors
+/// As [`learn`].
+pub fn learn_with(
+    photos: &[Photo],
+    recipe: Recipe,
+    each: impl FnMut(usize, f64) -> ControlFlow<()>,
+) -> Result<(Array2<f32>, f64), DictionaryError> {
     recipe.check()?;
     let patches = patches(photos, recipe)?;
     let mut start = Array2::zeros((RGB_OUTPUTS, recipe.atoms));
@@ -116,7 +129,7 @@ pub fn learn(photos: &[Photo], recipe: Recipe) -> Result<(Array2<f32>, f64), Dic
         .zip(patches.outer_iter())
         .for_each(|(mut atom, patch)| atom.assign(&patch));
     let settings = Settings { atoms: recipe.sparsity, rounds: recipe.rounds, free: FREE };
-    let fitted = ksvd(patches.view(), start, settings);
+    let fitted = ksvd_with(patches.view(), start, settings, each);
     let error = fitted.errors.last().copied().unwrap_or(f64::NAN);
     Ok((fitted.dictionary, error))
 }

@@ -63,7 +63,7 @@ pub fn fits_given(design: &Design, given: &str, network: &FixedNetwork) -> Resul
     let fitting = |name: &&str| weights::fixed(name).is_ok_and(|own| design.check_network(&own).is_ok());
     let own: Vec<&str> = weights::names().into_iter().filter(fitting).collect();
     let instead = match own[..] {
-        [] => format!("draw one that does by 'edof random-network --design {given}'"),
+        [] => format!("make one that does by 'edof random-network --design {given}'"),
         _ => format!("use --weights {}", own.join(" or ")),
     };
     Err(PresetError::Misfit { file, misfit: Box::new(misfit), instead })

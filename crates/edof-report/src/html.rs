@@ -131,8 +131,8 @@ impl Report {
                     thead {
                         tr {
                             @for (cell, is_number) in header.iter().zip(&numbers) {
-                                // An equation is one word.
-                                th class=[is_number.then_some("n")] {
+                                // An equation is one word; many words have room where a table is scrolled.
+                                th class=[head(cell, *is_number)] {
                                     @if !cell.is_empty() {
                                         button.sort { (words(cell, LONGEST_HEAD)) }
                                     }
@@ -231,8 +231,19 @@ fn legend(plot: &Plot) -> Markup {
 /// Letters of the longest name that stays on one line in a cell, and in a column's name.
 const LONGEST_NAME: usize = 24;
 const LONGEST_HEAD: usize = 10;
-/// A cell of more letters than this is a sentence.
+/// A cell of more letters than this is a sentence, a column's name of more would be a tower of words.
 const LONG: usize = 40;
+const LONG_HEAD: usize = 14;
+
+/// The class of a column's name.
+fn head(name: &str, is_number: bool) -> Option<&'static str> {
+    match (is_number, name.chars().count() > LONG_HEAD) {
+        (true, true) => Some("n l"),
+        (true, false) => Some("n"),
+        (false, true) => Some("l"),
+        (false, false) => None,
+    }
+}
 
 /// A text whose equations, errors and units stay with their numbers.
 fn tied(text: &str) -> String {

@@ -9,6 +9,7 @@ use crate::codes::SparseCodes;
 use crate::omp::{Omp, Stop};
 use ndarray::{Array1, Array2, ArrayView1, ArrayView2, ArrayViewMut1, Axis};
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 
 /// Atoms whose cosine is beyond this are copies of each other.
 const COPY: f32 = 0.99;
@@ -57,6 +58,19 @@ pub struct Fitted {
 /// If signals and atoms differ in length or are not finite: mistakes of the caller.
 #[must_use]
 pub fn ksvd(signals: ArrayView2<'_, f32>, start: Array2<f32>, settings: Settings) -> Fitted {
+    ksvd_with(signals, start, settings, |_, _| ControlFlow::Continue(()))
+}
+
+/// The same with a call after each round, which gets its number and error and may end the work: then the dictionary of the rounds until then.
+///
+/// # Panics
+/// As [`ksvd`].
+pub fn ksvd_with(
+    signals: ArrayView2<'_, f32>,
+    start: Array2<f32>,
+    settings: Settings,
+    mut each: impl FnMut(usize, f64) -> ControlFlow<()>,
+) -> Fitted {
     // Signals without the free atoms' part: then whatever is made of them is orthogonal to those as well.
     let bare = Omp::new(start.view(), settings.free).codes(signals, Stop::at_atoms(0));
     let signals = &signals - &bare.synthesis(start.t());
@@ -65,7 +79,11 @@ pub fn ksvd(signals: ArrayView2<'_, f32>, start: Array2<f32>, settings: Settings
     for round in 1..=settings.rounds {
         work.code(settings.atoms);
         work.update();
-        errors.push(work.error());
+        let error = work.error();
+        errors.push(error);
+        if each(round, error).is_break() {
+            break;
+        }
         if round < settings.rounds {
             replaced += work.replace();
         }

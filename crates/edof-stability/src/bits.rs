@@ -130,6 +130,13 @@ impl Bits {
         )
     }
 
+    /// The fewest bits, as a row of a table.
+    fn fewest_row(&self) -> Vec<String> {
+        let bits = self.fewest.iter().map(u32::to_string);
+        let ends = [format!("{:.4}", self.fewest_lost_db), self.frames.to_string()];
+        std::iter::once(self.network.clone()).chain(bits).chain(ends).collect()
+    }
+
     fn rows(&self) -> Vec<Vec<String>> {
         (MIN..=self.max_bits())
             .rev()
@@ -192,6 +199,44 @@ impl Bits {
     }
 }
 
+/// Networks of the same stages and the same allowed loss, the first ones first.
+fn alike(all: &[Bits]) -> Vec<Vec<&Bits>> {
+    let mut groups: Vec<Vec<&Bits>> = vec![];
+    for bits in all {
+        let same = |group: &&mut Vec<&Bits>| {
+            (&group[0].stages, group[0].allowed_db) == (&bits.stages, bits.allowed_db)
+        };
+        match groups.iter_mut().find(same) {
+            Some(group) => group.push(bits),
+            None => groups.push(vec![bits]),
+        }
+    }
+    groups
+}
+
+/// A sentence for all networks of the same stages: the bits that each stage needs.
+fn summary(all: &[Bits]) -> Vec<String> {
+    let sentence = |group: Vec<&Bits>| {
+        let stage = |(index, stage): (usize, &String)| {
+            let needed = || group.iter().filter_map(|bits| bits.fewest.get(index));
+            let (min, max) = (needed().min().unwrap_or(&0), needed().max().unwrap_or(&0));
+            if min == max { format!("{stage} {min}") } else { format!("{stage} {min} to {max}") }
+        };
+        let stages: Vec<String> = group[0].stages.iter().enumerate().map(stage).collect();
+        format!(
+            "With {} dB allowed, {} these bits: {}.",
+            group[0].allowed_db,
+            if group.len() == 1 {
+                format!("{} needs", group[0].network)
+            } else {
+                format!("{} networks need", group.len())
+            },
+            stages.join(", ")
+        )
+    };
+    alike(all).into_iter().map(sentence).collect()
+}
+
 /// Tables of all networks.
 #[must_use]
 pub fn to_markdown(all: &[Bits], made: &Made) -> String {
@@ -217,13 +262,20 @@ pub fn to_markdown(all: &[Bits], made: &Made) -> String {
 #[must_use]
 pub fn report(all: &[Bits], command: &str) -> Report {
     let mut report = Report::new("Which layer's bits matter");
-    all.iter().for_each(|bits| {
-        report.verdict(&bits.verdict());
+    summary(all).iter().for_each(|sentence| {
+        report.verdict(sentence);
     });
     report.made_by(command).paragraph(
         "Weights of a stage are multiples of a power of two, and its results have as many bits fewer, in the range that they had; F's \
-         results keep their 16. Drawn scenes behind each network's own camera.",
+         results keep their 16. Synthetic scenes behind each network's own camera.",
     );
+    report.heading("The fewest bits of each network");
+    for own in alike(all) {
+        let header = own[0].stages.iter().map(String::as_str);
+        let header: Vec<&str> =
+            ["network"].into_iter().chain(header).chain(["dB lost together", "frames"]).collect();
+        report.table(&header, &own.iter().map(|bits| bits.fewest_row()).collect::<Vec<_>>(), &[]);
+    }
     report.plots(&all.iter().flat_map(Bits::plots).collect::<Vec<_>>());
     all.iter().filter_map(Bits::gains).for_each(|gains| {
         report.paragraph(&gains);

@@ -44,6 +44,8 @@ const fn kind(trial: &Trial) -> &'static str {
 
 /// Losses that the page's head names.
 const MAX_TOLD: usize = 3;
+/// The share of its limit from which on a case is among them.
+const MIN_TOLD: f64 = 0.05;
 
 impl Suite {
     /// What matters, in a sentence.
@@ -64,6 +66,7 @@ impl Suite {
             .iter()
             .filter(degrades)
             .filter_map(|outcome| Some((outcome.worst()?, outcome)))
+            .filter(|(_, outcome)| outcome.share() >= MIN_TOLD)
             .take(MAX_TOLD)
             .map(|(worst, outcome)| {
                 format!("{} ({})", outcome.case.intent.trim_end_matches('.'), worst.words())
@@ -73,10 +76,13 @@ impl Suite {
         let same = self.cases.len() - refused - self.cases.iter().filter(degrades).count();
         let losses = match losses[..] {
             [] => String::new(),
-            _ => format!(" What costs most, of what may: {}.", losses.join("; ")),
+            _ => format!(
+                " Of the cases that may lose quality these use most of their limits: {}.",
+                losses.join("; ")
+            ),
         };
         format!(
-            "{same} give what the reference gives, to a stated error; {refused} are rejected with a message.{losses}"
+            "{same} cases give the result of a reference within a stated error; {refused} are rejected with a message.{losses}"
         )
     }
 
@@ -261,8 +267,8 @@ fn card(report: &mut Report, outcome: &Outcome) {
     }
     match facts {
         0 => {}
-        1 => _ = report.paragraph("And one thing that is so or not, and it is."),
-        several => _ = report.paragraph(&format!("And {several} things that are so or not, all of them so.")),
+        1 => _ = report.paragraph("One yes-or-no check holds, too."),
+        several => _ = report.paragraph(&format!("{several} yes-or-no checks hold, too.")),
     }
 }
 

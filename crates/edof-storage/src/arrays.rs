@@ -62,6 +62,7 @@ type Arrays = BTreeMap<String, ArrayD<f64>>;
 
 /// How an NPY file begins.
 const NPY: &[u8] = b"\x93NUMPY";
+const CUT: &str = "its list of arrays is missing, which is at its end: the file is cut; copy it again";
 
 fn of_npy(bytes: &[u8], path: &Path) -> Result<Arrays, String> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -69,13 +70,13 @@ fn of_npy(bytes: &[u8], path: &Path) -> Result<Arrays, String> {
 }
 
 fn of_npz(bytes: &[u8]) -> Result<Arrays, String> {
-    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| e.to_string())?;
+    let mut archive = ZipArchive::new(Cursor::new(bytes))
+        .map_err(|e| entries(bytes).map_or(CUT.to_owned(), |_| e.to_string()))?;
     // The archive keeps the last of several entries of one name.
     if entries(bytes).is_some_and(|stated| stated != archive.len()) {
         return Err("several of its arrays have the same name".to_owned());
     }
-    let (mut arrays, mut names) = (Arrays::new(), BTreeSet::new());
-    let mut room = MAX_BYTES;
+    let (mut arrays, mut names, mut room) = (Arrays::new(), BTreeSet::new(), MAX_BYTES);
     for index in 0..archive.len() {
         let entry = archive.by_index_raw(index).map_err(|e| e.to_string())?;
         let name = entry.name().strip_suffix(".npy").unwrap_or(entry.name()).to_owned();
@@ -119,7 +120,8 @@ fn unpacked<R: Read>(mut entry: zip::read::ZipFile<'_, R>, room: &mut u64) -> Re
         CompressionMethod::Stored => entry.by_ref().take(max).read_to_end(&mut content),
         CompressionMethod::DEFLATE => DeflateDecoder::new(&mut entry).take(max).read_to_end(&mut content),
         other => {
-            return Err(format!("compressed by {other}; write it by numpy.savez_compressed or numpy.savez"));
+            let name = other.to_string().replace("Unsupported(", "method ").replace(')', " of ZIP");
+            return Err(format!("compressed by {name}; write it by numpy.savez_compressed or numpy.savez"));
         }
     }
     .map_err(|e| e.to_string())?;

@@ -8,12 +8,35 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A file could not be written.
 #[derive(Debug, thiserror::Error)]
-#[error("{path}: cannot write: {source}", path = path.display())]
+#[error("{path}: cannot write: {reason}", path = path.display(), reason = reason(source))]
 pub struct WriteError {
     /// The file that was asked for.
     pub path: PathBuf,
     /// What the system said.
     pub source: std::io::Error,
+}
+
+/// Why something cannot be written: what the system says, in words alone, and what to do where that is known.
+#[must_use]
+pub fn reason(error: &std::io::Error) -> String {
+    use std::io::ErrorKind;
+    let advice = match error.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "; make room there, or name another place",
+        ErrorKind::FileTooLarge => "; the shell (ulimit -f) or the file system limits the size of files",
+        ErrorKind::ReadOnlyFilesystem => "; name a place on another one",
+        _ => "",
+    };
+    said(error) + advice
+}
+
+/// What the system says, without its number.
+#[must_use]
+pub fn said(error: &std::io::Error) -> String {
+    let text = error.to_string();
+    match error.raw_os_error() {
+        Some(code) => text.replace(&format!(" (os error {code})"), ""),
+        None => text,
+    }
 }
 
 /// Lets `fill` write a new file and puts it at `path` only if all of it reached the disk.
@@ -38,9 +61,11 @@ pub fn write_with(
             let name = file.path().to_owned();
             Ok((file, name))
         })?;
-        let mut buffered = std::io::BufWriter::new(temporary);
+        // Past the temporary file's own writer, whose errors hold the temporary name.
+        let mut buffered = std::io::BufWriter::new(temporary.as_file());
         fill(&mut buffered)?;
-        let temporary = buffered.into_inner().map_err(std::io::IntoInnerError::into_error)?;
+        buffered.flush()?;
+        drop(buffered);
         temporary.as_file().sync_all()?;
         make_readable(temporary.as_file())?;
         temporary.persist(path).map_err(|e| e.error)?;
@@ -198,6 +223,28 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
+    fn a_failed_write_is_told_in_words_without_the_temporary_name() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("result");
+        // The disk is full in the middle of the file.
+        let failed = write_with(&path, |w| {
+            w.write_all(&[0; 1 << 16])?;
+            Err(std::io::Error::from_raw_os_error(28))
+        });
+        let said = format!(
+            "{}: cannot write: No space left on device; make room there, or name another place",
+            path.display()
+        );
+        assert_eq!(failed.unwrap_err().to_string(), said);
+        assert_eq!(reason(&std::io::Error::from_raw_os_error(13)), "Permission denied");
+        assert!(
+            reason(&std::io::Error::from_raw_os_error(27))
+                .starts_with("File too large; the shell (ulimit -f)")
+        );
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
     fn a_device_is_written_not_replaced() {
         use std::os::unix::fs::FileTypeExt;
         write(Path::new("/dev/null"), b"gone").unwrap();
@@ -223,7 +270,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         std::fs::write(dir.path().join("file"), "").unwrap();
         let below = dir.path().join("file/x");
-        let said = format!("{}: cannot write: Not a directory (os error 20)", below.display());
+        let said = format!("{}: cannot write: Not a directory", below.display());
         assert_eq!(check(&below).unwrap_err().to_string(), said);
         assert!(
             write(&below, b"")

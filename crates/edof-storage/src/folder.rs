@@ -157,7 +157,7 @@ fn put(place: &Path, make: impl FnOnce(&Path) -> io::Result<()>) -> io::Result<(
 }
 
 fn failed(path: &Path, error: &io::Error) -> FolderError {
-    FolderError::Write(format!("{}: cannot write: {error}", path.display()))
+    FolderError::Write(format!("{}: cannot write: {}", path.display(), crate::atomic::reason(error)))
 }
 
 fn named(paths: &BTreeSet<PathBuf>) -> String {

@@ -137,8 +137,8 @@ impl Foldings {
 
     fn explanation(&self) -> String {
         format!(
-            "Every folding that fits a {}, by the cycle model on {}, with the picture and the clock of design {} ({} MHz, planned). Frames \
-             per second are cycles at that clock: computed, measured on no board; multipliers and block RAM are exact. PSNR is that of each network behind its \
+            "Every folding that fits the {}, by the cycle model on {}, with the picture and the clock of design {} ({} MHz, planned). Frames \
+             per second are cycles at that clock: computed, not measured on a board; multipliers and block RAM are exact. PSNR is that of each network behind its \
              own camera, so networks of different cameras are different lenses too. The front holds what no other folding of any network beats in dB, cycles, multipliers and block RAM at once.",
             self.device, self.pictures, self.design, self.clock_mhz
         )

@@ -14,6 +14,18 @@ pub struct Made {
 /// What a page says of rows whose program did not state itself.
 pub const OLD: &str = "the rows are of an old format, which does not state the revision that measured them";
 
+impl Made {
+    /// What a report adds to its command: the programs that measured the rows, as remarks of a shell; nothing where `own` measured all of them.
+    #[must_use]
+    pub fn remarks(makers: &[Maker], own: &Maker) -> String {
+        let remark = |maker: &Maker| match maker {
+            Maker::Program(p) => format!("  # rows of revision {}, {}", p.revision, p.machine()),
+            Maker::Old { machine, .. } => format!("  # rows of an unknown revision, {machine}"),
+        };
+        makers.iter().filter(|maker| *maker != own).map(remark).collect()
+    }
+}
+
 impl std::fmt::Display for Made {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let maker = |maker: &Maker| match maker {
@@ -66,5 +78,9 @@ mod tests {
         assert!(made(both.to_vec()).starts_with("Made by `edof study` (rows of 3 programs: revision `r`, "));
         assert!(made(both.to_vec()).ends_with(&format!("; {OLD}).")));
         assert_eq!(machines(&both), "a CPU, 2 threads");
+        // A report names those that did not make it.
+        let remarks =
+            "  # rows of revision s, a CPU, 2 threads  # rows of an unknown revision, a CPU, 2 threads";
+        assert_eq!(Made::remarks(&both, &program("r")), remarks);
     }
 }

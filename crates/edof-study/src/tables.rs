@@ -279,6 +279,18 @@ impl Study {
 /// What has a colour of its own: a method, or a network in all formats, behind a camera.
 type Kind<'a> = (Family, Option<&'a str>, &'a str);
 
+/// Places in the palette: networks take all but the first one in turn, so that seven of them differ; the dashed lines of all others take the
+/// first one and then those from the end.
+fn places(kinds: &[Kind<'_>]) -> Vec<usize> {
+    let place = |index: usize| {
+        let is_network = kinds[index].1.is_some();
+        let before = kinds[..index].iter().filter(|kind| kind.1.is_some() == is_network).count();
+        let place = if is_network { before + 1 } else { PALETTE.len() - before % PALETTE.len() };
+        place % PALETTE.len()
+    };
+    (0..kinds.len()).map(place).collect()
+}
+
 impl Summary {
     /// One line for each method and camera, two columns for each noise level. `float422` is left out: it lies on the fixed line.
     fn quality(&self, course: impl Fn(&MethodSummary) -> &DepthCurve) -> Table {
@@ -314,9 +326,10 @@ impl Summary {
                 kinds.push(kind);
             }
         }
+        let places = places(&kinds);
         let line = |m: &MethodSummary| {
             let kind: Kind<'_> = (m.identity.family, m.identity.network.as_deref(), &m.camera);
-            let place = kinds.iter().position(|known| *known == kind).unwrap_or(0);
+            let place = kinds.iter().position(|known| *known == kind).map_or(0, |index| places[index]);
             let mark = match m.identity.format {
                 Some(Format::Float422) => return None,
                 Some(Format::Float | Format::FloatGpu) => Mark::LineAndPoints,
@@ -325,7 +338,7 @@ impl Summary {
             };
             let series =
                 Series::new(format!("{}, {}", m.method, m.camera), mark, m.picture.psi_db.iter().copied());
-            Some(series.coloured(PALETTE[place % PALETTE.len()]))
+            Some(series.coloured(PALETTE[place]))
         };
         let plot = |noise: Noise| Plot {
             title: noise_words(noise),
@@ -417,6 +430,20 @@ mod tests {
         let colours: Vec<&str> = plots[0].series.iter().map(|s| s.colour.as_deref().unwrap()).collect();
         assert_eq!(colours, [PALETTE[0], PALETTE[1], PALETTE[1]], "{:?}", plots[0].series);
         assert_eq!(plots[0].series[2].mark, Mark::Dotted);
+    }
+
+    #[test]
+    fn seven_networks_behind_three_cameras_have_colours_of_their_own() {
+        let family = study(Tone::Linear).summary.methods[0].identity.family;
+        let cameras = [("a", 3), ("b", 2), ("c", 2)];
+        let names = ["1", "2", "3", "4", "5", "6", "7"];
+        let mut next = names.iter();
+        let mut kinds: Vec<Kind<'_>> = vec![];
+        for (camera, networks) in cameras {
+            kinds.push((family, None, camera));
+            kinds.extend(next.by_ref().take(networks).map(|name| (family, Some(*name), camera)));
+        }
+        assert_eq!(places(&kinds), [0, 1, 2, 3, 7, 4, 5, 6, 6, 7]);
     }
 
     #[test]

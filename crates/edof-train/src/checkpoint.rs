@@ -9,6 +9,7 @@ use edof_storage::provenance::Input;
 use edof_storage::{input, json};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -28,8 +29,11 @@ pub enum CheckpointError {
     #[error("{path}: not a checkpoint of a training run: {reason}", path = path.display())]
     Foreign { path: PathBuf, reason: String },
     /// Of a run with other settings.
-    #[error("{path}: made with {field} {found}, cannot be resumed with {asked}", path = path.display())]
-    OtherRun { path: PathBuf, field: &'static str, found: String, asked: String },
+    #[error(
+        "{path}: made with {field} {found}, cannot be resumed with {asked}; give the options of that run, or begin anew with another --out",
+        path = path.display()
+    )]
+    OtherRun { path: PathBuf, field: String, found: String, asked: String },
 }
 
 /// What identifies a run: a checkpoint resumes only with the same.
@@ -157,21 +161,50 @@ fn bytes(values: &[f32]) -> Vec<u8> {
 }
 
 fn same_run(path: &Path, found: &Run, asked: &Run) -> Result<(), CheckpointError> {
-    let fields: [(&'static str, String, String); 5] = [
-        ("recipe", json(&found.recipe), json(&asked.recipe)),
-        ("camera", found.camera.clone(), asked.camera.clone()),
+    let camera = |text: &String| serde_json::from_str(text).unwrap_or_else(|_| Value::from(text.as_str()));
+    let fields: [(&'static str, Value, Value); 5] = [
+        // Fields of a recipe are options.
+        ("", json(&found.recipe), json(&asked.recipe)),
+        ("camera", camera(&found.camera), camera(&asked.camera)),
         ("photos", json(&found.photos), json(&asked.photos)),
         ("psi", json(&found.psis), json(&asked.psis)),
         ("from", json(&found.from), json(&asked.from)),
     ];
     match fields.into_iter().find(|(_, found, asked)| found != asked) {
         Some((field, found, asked)) => {
+            let (field, found, asked) = difference(field.to_owned(), &found, &asked);
             Err(CheckpointError::OtherRun { path: path.to_owned(), field, found, asked })
         }
         None => Ok(()),
     }
 }
 
-fn json(value: &impl Serialize) -> String {
-    serde_json::to_string(value).unwrap_or_default()
+/// The first field in which two values differ, and what it is in each.
+fn difference(field: String, found: &Value, asked: &Value) -> (String, String, String) {
+    match (found, asked) {
+        (Value::Object(own), Value::Object(other)) => {
+            let mut keys = own.keys().chain(other.keys());
+            let differs = |key: &&String| own.get(*key) != other.get(*key);
+            if let Some(key) = keys.find(differs) {
+                let dot = if field.is_empty() { "" } else { "." };
+                let of = |map: &serde_json::Map<String, Value>| map.get(key).cloned().unwrap_or_default();
+                return difference(format!("{field}{dot}{key}"), &of(own), &of(other));
+            }
+        }
+        (Value::Array(own), Value::Array(other)) if own.len() == other.len() => {
+            if let Some(place) = (0..own.len()).find(|place| own[*place] != other[*place]) {
+                return difference(format!("{field}[{place}]"), &own[place], &other[place]);
+            }
+        }
+        (Value::Array(own), Value::Array(other)) => {
+            return (field, format!("({} of them)", own.len()), format!("{} of them", other.len()));
+        }
+        _ => {}
+    }
+    let shown = |value: &Value| if value.is_null() { "none".to_owned() } else { value.to_string() };
+    (field, shown(found), shown(asked))
+}
+
+fn json(value: &impl Serialize) -> Value {
+    serde_json::to_value(value).unwrap_or_default()
 }

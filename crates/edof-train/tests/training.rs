@@ -236,17 +236,18 @@ fn a_checkpoint_of_another_run_is_rejected_naming_what_differs() {
     let path = folder.path().join("run.checkpoint");
     checkpoint::save(&path, &run, &state).unwrap();
     let refused = |run: &Run| checkpoint::load(&path, run).unwrap_err().to_string();
-    assert!(
-        refused(&run_of(&recipe, &photo, "y"))
-            .contains(r#"made with photos [{"kind":"photograph","name":"x","#)
-    );
+    let told = refused(&run_of(&recipe, &photo, "y"));
+    assert!(told.contains(r#"made with photos[0].name "x", cannot be resumed with "y""#), "{told}");
     photo.planes[(0, 5, 5)] += 0.01;
     assert!(
-        refused(&run_of(&recipe, &photo, "x")).contains("made with photos [{"),
+        refused(&run_of(&recipe, &photo, "x")).contains("made with photos[0].sha256 \""),
         "another photo of that name"
     );
     let longer = Recipe { steps: 700, ..recipe };
-    assert!(refused(&Run { recipe: longer, ..run.clone() }).contains("made with recipe {"));
+    let told = refused(&Run { recipe: longer, ..run.clone() });
+    assert!(told.ends_with(
+        "made with steps 600, cannot be resumed with 700; give the options of that run, or begin anew with another --out"
+    ), "{told}");
     let whole = std::fs::read(&path).unwrap();
     std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
     assert!(matches!(checkpoint::load(&path, &run), Err(CheckpointError::Foreign { .. })));

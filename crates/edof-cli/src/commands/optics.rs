@@ -198,8 +198,15 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let clear = without_mask(&camera);
     let (mtf_clear, mtf) = (mtf_plot(&clear, &psis)?, mtf_plot(&camera, &psis)?);
     let figure1 = side_by_side(&[mtf_clear.clone(), contrast_plot(&camera)?]);
-    let psfs =
-        psis.iter().map(|&psi| channel_psfs(&camera, psi, &settings)).collect::<Result<Vec<_>, _>>()?;
+    let progress = ui.progress(psis.len() as u64, "depths");
+    let psfs = psis.iter().enumerate().map(|(done, &psi)| {
+        interrupt::check()?;
+        let psfs = channel_psfs(&camera, psi, &settings)?;
+        progress.set(done as u64 + 1);
+        Ok(psfs)
+    });
+    let psfs = psfs.collect::<Result<Vec<_>, Error>>()?;
+    drop(progress);
     let sheet = png(&psf_sheet(&[&camera, &clear], &psis, &settings)?, Tone::Linear)?;
     let depths = psis.iter().zip(&psfs).map(|(&psi, psfs)| shown(&camera, psi, psfs));
     let depths = depths.collect::<Result<Vec<_>, _>>()?;

@@ -144,7 +144,16 @@ fn log_ticks(low: f64, high: f64, factors: &[f64]) -> Vec<(f64, String)> {
     powers
         .flat_map(|p| factors.iter().map(move |f| f * 10f64.powi(p)))
         .filter(|v| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(v))
-        .map(|v| (v, if (1e-3..1e5).contains(&v) { format!("{}", round_to(v)) } else { format!("{v:.0e}") }))
+        .map(|v| {
+            (
+                v,
+                if (1e-4 * (1.0 - 1e-9)..1e5).contains(&v) {
+                    format!("{}", round_to(v))
+                } else {
+                    format!("{v:.0e}")
+                },
+            )
+        })
         .collect()
 }
 
@@ -176,5 +185,8 @@ mod tests {
             [0.0, 20.0, 40.0, 60.0, 80.0, 100.0]
         );
         assert_eq!(ruler.ticks[0].1, "0.01");
+        let ruler = Ruler::new(&Axis::log("t"), [1.2e-4, 11.0].into_iter(), 0.0, 100.0);
+        let texts: Vec<&str> = ruler.ticks.iter().map(|(_, text)| text.as_str()).collect();
+        assert_eq!(texts, ["0.0001", "0.001", "0.01", "0.1", "1", "10", "100"]);
     }
 }

@@ -131,7 +131,8 @@ const BOTTOM: f64 = 52.0;
 const LINE_HEIGHT: f64 = 18.0;
 /// Mean width of a letter in the widest of the usual fonts, and height of a line of text, in pixels.
 const LETTER: [f64; 2] = [7.0, 13.0];
-/// Mean width of a title's letter in the same font, in pixels.
+/// Size of a title's letters, and the mean width of one in the same font, in pixels.
+const TITLE: f64 = 14.0;
 const BOLD: f64 = 8.6;
 /// Pixels from a dot's middle to its rim, and a little.
 const DOT_REACH: f64 = 5.0;
@@ -259,13 +260,11 @@ impl Plot {
         );
     }
 
-    /// The length of a title that would be cut at the right, as an attribute.
+    /// Smaller letters for a title that could be cut at the right, as an attribute. Its width is known for the widest of the usual fonts alone, so
+    /// that a stated length would stretch it in others.
     fn narrowed(&self, start: f64) -> String {
-        let room = self.size[0] - start - 6.0;
-        match self.title.chars().count() as f64 * BOLD > room {
-            true => format!(" textLength=\"{room:.1}\" lengthAdjust=\"spacingAndGlyphs\""),
-            false => String::new(),
-        }
+        let share = (self.size[0] - start - 6.0) / (self.title.chars().count() as f64 * BOLD);
+        if share < 1.0 { format!(" style=\"font-size:{:.1}px\"", TITLE * share) } else { String::new() }
     }
 
     /// Writes names beside points: each where it covers no point and no other name, or as little as can be.
@@ -284,9 +283,10 @@ impl Plot {
             let spots = placed(series).into_iter().rev().flat_map(|at| Area::beside(at, size));
             let covered = |(area, _): &(Area, Anchor)| {
                 let outside = size[0] * size[1] - area.shared(&frame);
-                taken.iter().map(|other| area.shared(other)).sum::<f64>() + 10.0 * outside
+                // In whole pixels: of places that are equally free the first one is taken, whatever sums of fractions say.
+                (taken.iter().map(|other| area.shared(other)).sum::<f64>() + 10.0 * outside).round() as i64
             };
-            let Some((best, anchor)) = spots.min_by(|a, b| covered(a).total_cmp(&covered(b))) else {
+            let Some((best, anchor)) = spots.min_by_key(covered) else {
                 continue;
             };
             // `color` is what a page's style makes darker or lighter than the points: text is thin. What paper it has around it parts it

@@ -81,6 +81,26 @@ fn a_name_left_of_its_point_ends_at_it_whatever_the_font() {
 }
 
 #[test]
+fn a_name_is_right_of_its_point_wherever_there_is_room() {
+    // Places whose sums of fractions differ by rounding.
+    let points = (0..60).map(|i| [0.37 + 1.618_034 * f64::from(i % 6), 0.11 + 2.718_282 * f64::from(i)]);
+    for point in points {
+        let plot = Plot {
+            series: vec![Series::new("fista-known", Mark::Points, [point]).named_at_points()],
+            ..plot(Axis::linear("x").from(-3.0).to(30.0), &[])
+        };
+        let svg = Plot { y: Axis::linear("y").from(-10.0).to(200.0), ..plot }.to_svg();
+        let name = svg.lines().find(|line| line.contains("class=\"name\"")).unwrap();
+        let dot = svg.lines().find(|line| line.starts_with("<circle")).unwrap();
+        let number = |line: &str, name: &str| -> f64 {
+            line.split(name).nth(1).unwrap().split('"').nth(1).unwrap().parse().unwrap()
+        };
+        assert!(name.contains("text-anchor=\"start\""), "{name}");
+        assert!((number(name, " y=") - number(dot, " cy=")).abs() < 5.0, "{dot} {name}");
+    }
+}
+
+#[test]
 fn a_logarithmic_axis_of_few_decades_ends_near_its_data() {
     let svg = plot(Axis::log("x"), &[[0.65, 0.0], [0.9, 1.0]]).to_svg();
     assert!(
@@ -138,9 +158,16 @@ fn a_long_title_and_the_last_number_of_an_axis_are_whole() {
         };
         plot.to_svg()
     };
-    assert!(drawn("a title that is far longer than its small diagram is").contains("textLength=\"328.0\""));
+    let title = "a title that is far longer than its small diagram is";
+    let long = drawn(title);
+    let size: f64 =
+        long.split("style=\"font-size:").nth(1).unwrap().split("px").next().unwrap().parse().unwrap();
+    let width = title.len() as f64 * BOLD * size / TITLE;
+    assert!((LEFT + width) <= SMALL[0] && width > 0.95 * (SMALL[0] - LEFT - 6.0), "{size} {width}");
+    // A stated length would stretch a title whose letters are narrow.
+    assert!(!long.contains("textLength"), "{long}");
     let short = drawn("a title");
-    assert!(!short.contains("textLength"), "{short}");
+    assert!(!short.contains("style=\"font-size"), "{short}");
     let last = short.lines().find(|line| line.contains(">10000</text>")).unwrap();
     let x: f64 = last.split("<text x=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
     assert!(x + 0.5 * 5.0 * LETTER[0] <= SMALL[0], "{last}");

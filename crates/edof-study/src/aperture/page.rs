@@ -112,10 +112,10 @@ impl StudyReport for Aperture {
 
     fn report(&self, command: &str) -> Report {
         let mut report = Report::new(TITLE);
-        report.paragraph(EXPLANATION).made_by(command).heading("Verdict");
         for verdict in self.verdicts() {
-            report.paragraph(&verdict);
+            report.verdict(&verdict);
         }
+        report.made_by(command).method(EXPLANATION);
         let plots: Vec<Plot> = self.ranges().into_iter().map(|range| self.plot(range)).collect();
         report.plots(&plots);
         report.heading("Coded lens, and clear lens at its best aperture");
@@ -233,7 +233,9 @@ impl Aperture {
                 series("clear at its best aperture, average", Mark::LineAndPoints, "#d55e00", |c| {
                     c.clear.average_db
                 }),
-                series("the same, worst depth", Mark::Dashed, "#d55e00", |c| c.clear.worst_db),
+                series("clear at its best aperture, worst depth", Mark::Dashed, "#d55e00", |c| {
+                    c.clear.worst_db
+                }),
             ],
         }
     }

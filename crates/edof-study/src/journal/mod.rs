@@ -405,7 +405,7 @@ fn parsed<T: DeserializeOwned>(path: &Path, line: usize, text: &str) -> Result<T
         path: path.to_owned(),
         line,
         reason: format!(
-            "not a row of a study: {}; expected what --rows wrote, or name another file",
+            "not a row of a study: {}; expected what --rows wrote; name another file, or delete the line: its row is measured again",
             json::reason(&error)
         ),
     })

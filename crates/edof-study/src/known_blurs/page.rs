@@ -4,6 +4,7 @@ use super::Row;
 use crate::made::Made;
 use crate::study_report::{StudyReport, StudyReportError};
 use crate::summary;
+use edof_image::words::count;
 use edof_io::photos::choices;
 use edof_metrics::paired::Paired;
 use edof_report::{Report, Table};
@@ -38,7 +39,7 @@ pub struct KnownBlurs {
 /// A picture that has lost more than this many dB has diverged.
 pub const DIVERGED_DB: f64 = 1.0;
 
-const TITLE: &str = "Blind deconvolution of drawn blurs";
+const TITLE: &str = "Blind deconvolution of synthetic blurs";
 
 impl StudyReport for KnownBlurs {
     type Row = Row;
@@ -83,9 +84,10 @@ impl StudyReport for KnownBlurs {
 impl KnownBlurs {
     fn verdict(&self) -> String {
         format!(
-            "Over {} blurred photographs: {} dB on average (with the true kernel {:+.2}), the least {:+.2} dB; kernels correlate by {:.3} on \
+            "Over {} of {}: {} dB on average (with the true kernel {:+.2}), the least {:+.2} dB; kernels correlate by {:.3} on \
              average, at least by {:.3}. Lost more than {DIVERGED_DB} dB: {}.",
-            self.rows.len(),
+            count(self.rows.len(), "synthetic blur"),
+            count(self.rows.iter().map(|row| &row.image).collect::<BTreeSet<_>>().len(), "photograph"),
             self.gain.map_or_else(|| "–".to_owned(), |gain| gain.to_string()),
             self.mean_known_gain_db,
             self.min_gain_db,

@@ -150,13 +150,15 @@ impl StudyReport for MultiDepth {
     /// The paper's columns, then each scene with all pictures and, row by row, a part of each depth.
     fn report(&self, command: &str) -> Report {
         let mut report = Report::new(TITLE);
+        for shown in &self.scenes {
+            report.verdict(&format!("{}: {}", shown.title(), pictures::verdict(&shown.pictures)));
+        }
         report.made_by(command).method(&self.explanation());
         let (title, table) = self.columns();
         report.heading(&title);
         table.add_to(&mut report, &[]);
         for shown in &self.scenes {
             report.heading(&shown.title());
-            report.verdict(&pictures::verdict(&shown.pictures));
             pictures::table(&shown.pictures).add_to(&mut report, &pictures::best(&shown.pictures));
             report.paragraph(
                 "Each picture opens at a click; arrows flip between them, E shows the difference to the scene.",

@@ -114,7 +114,10 @@ impl StudyReport for Tolerances {
 
     fn report(&self, command: &str) -> Report {
         let mut report = Report::new(TITLE);
-        report.made_by(command).paragraph(&self.explanation());
+        for verdict in self.verdicts() {
+            report.verdict(&verdict);
+        }
+        report.made_by(command).method(&self.explanation());
         let plots: Vec<Plot> = self.kinds().map(|kind| self.plot(kind)).collect();
         report.plots(&plots);
         for (title, table) in self.tables() {
@@ -140,6 +143,20 @@ impl Tolerances {
             psis.join(", "),
             choices(self.images.iter().map(String::as_str))
         )
+    }
+
+    /// A sentence for each noise: what costs the limit.
+    fn verdicts(&self) -> Vec<String> {
+        let sentence = |noise: &Noise| {
+            let own = self.curves.iter().filter(|curve| curve.noise == *noise);
+            let limits: Vec<String> = own.map(Curve::stated).collect();
+            format!(
+                "With {}, each of these errors alone costs {LIMIT_DB} dB on average over ψ: {}.",
+                noise_words(*noise),
+                limits.join("; ")
+            )
+        };
+        self.noises.iter().map(sentence).collect()
     }
 
     fn tables(&self) -> [(String, Table); 2] {
@@ -228,6 +245,14 @@ fn in_words(limit: Option<f64>, curve: &Curve) -> String {
 }
 
 impl Curve {
+    /// The limit with name and unit of the error, as in `ring radius ±0.82 % of the aperture radius (18.8 µm)`.
+    fn stated(&self) -> String {
+        let words = in_words(self.limit, self);
+        let (amount, length) = words.split_once(" (").unwrap_or((&words, ""));
+        let length = if length.is_empty() { String::new() } else { format!(" ({length}") };
+        format!("{} {amount} {}{length}", self.kind.name(), self.kind.unit())
+    }
+
     fn of(rows: &[Row], kind: Kind, noise: Noise) -> Self {
         let at = |kind: Kind, amount: f64| -> Vec<&Row> {
             rows.iter().filter(|r| (r.kind, r.noise) == (kind, noise) && r.amount == amount).collect()
@@ -327,5 +352,9 @@ mod tests {
         // The loss is straight from the middle on, so its mean across is half of that at the edge (at 65 places a little more).
         assert!((curve.tilt_limit().unwrap() - 1.0).abs() < 0.02, "{:?}", curve.tilt_limit());
         assert_eq!(in_words(None, &curve), "more than 2.00");
+        assert_eq!(curve.stated(), "focus ±0.50 ψ");
+        let mut long = Curve { limit: Some(1.0), ..curve };
+        long.losses[2].micrometres = Some(14.0);
+        assert_eq!(long.stated(), "focus ±1.00 ψ (7.0 µm)");
     }
 }

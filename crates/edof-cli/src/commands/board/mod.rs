@@ -371,10 +371,15 @@ fn find(args: &Args, ui: &Ui) -> Result<(), Error> {
                 Some(design) => format!("a board with the design {}", design.name),
                 None => format!("a board with the design {:08x}", board.identity.design_hash),
             },
-            Err(_) => "no board answers".to_owned(),
+            // What the error says of the port comes after its name.
+            Err(error) => match error.to_string().strip_prefix(&format!("{}: ", port.name)) {
+                Some(reason) if reason.contains("ermission") => reason.to_owned(),
+                _ => "no board answers".to_owned(),
+            },
         };
         boards += usize::from(board.is_ok());
-        ui.say(format!("{}: {said} {}", port.name, port.about).trim_end())?;
+        let about = if port.about.is_empty() { String::new() } else { format!(" ({})", port.about) };
+        ui.say(format!("{}{about}: {said}", port.name))?;
         let error = board.as_ref().err().map(ToString::to_string);
         let identity = board.as_ref().ok().map(|board| board.identity);
         found.push(json!({ "port": port.name, "about": port.about, "board": identity, "error": error }));

@@ -85,7 +85,7 @@ pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
     let given = args.design.as_deref().unwrap_or("tiny");
     let design = sized(designs::load(given)?, sim.size)?;
     edof_device::board::clocks(&design).map_err(|e| said::of_file(given, e))?;
-    let network = network(&design, sim.weights.as_deref())?;
+    let network = network(&design, given, sim.weights.as_deref())?;
     let raw = frame(&design, sim)?;
     let mut device: Box<dyn Device> = if sim.rtl {
         let with = (Speed::of(args.baud)?, 1);
@@ -148,9 +148,11 @@ fn sized(mut design: Design, size: Option<(usize, usize)>) -> Result<Design, Err
     Ok(design)
 }
 
-fn network(design: &Design, named: Option<&str>) -> Result<FixedNetwork, Error> {
+fn network(design: &Design, given: &str, named: Option<&str>) -> Result<FixedNetwork, Error> {
     if let Some(name) = named {
-        return Ok(weights::fixed(name)?);
+        let network = weights::fixed(name)?;
+        designs::fits_given(design, given, &network)?;
+        return Ok(network);
     }
     let own = super::known(design, &[]).into_iter().next();
     Ok(own.unwrap_or_else(|| edof_random::for_design(design, 1)))

@@ -3,6 +3,7 @@
 use super::options::Folder;
 use crate::error::Error;
 use crate::files::{Files, Force};
+use crate::interrupt;
 use crate::kind::Kind;
 use crate::ui::Ui;
 use edof_methods::dictionary::{self, Recipe};
@@ -62,7 +63,14 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     skipped.iter().for_each(|note| ui.note(note));
     let Args { atoms, sparsity, patches, rounds, seed, .. } = args;
     let recipe = Recipe { atoms, sparsity, patches, rounds, seed };
-    let (learned, error) = dictionary::learn(&photos, recipe)?;
+    let progress = ui.progress(rounds as u64, "rounds");
+    let (learned, error) = dictionary::learn_with(&photos, recipe, |round, error| {
+        progress.message(format!("{error:.4} of a value left"));
+        progress.set(round as u64);
+        interrupt::flow()
+    })?;
+    drop(progress);
+    interrupt::check()?;
     dictionary::save(&args.out, &learned, recipe, error, ui.provenance())?;
     ui.say(format!(
         "{}: {atoms} atoms from {} photographs; {sparsity} of them and a colour leave {error:.4} of a value (root mean square)",

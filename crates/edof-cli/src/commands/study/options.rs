@@ -12,8 +12,8 @@ use edof_report::Report;
 use edof_storage::input;
 use edof_storage::provenance::Input;
 use edof_study::experiment::{self, Experiment, RunError};
-use edof_study::journal::{Header, Journal, Line, Mixing, Progress, Shard};
-use edof_study::made::machines;
+use edof_study::journal::{Header, Journal, Line, Maker, Mixing, Progress, Shard};
+use edof_study::made::{Made, machines};
 use edof_study::study_report::StudyReport;
 use std::path::PathBuf;
 
@@ -267,8 +267,9 @@ where
 pub fn tell<T: StudyReport>(journal: &Journal<T::Row>, outputs: &Outputs, ui: &Ui) -> Result<(), Error> {
     let (rows, makers) = (journal.rows(), journal.makers());
     let told = T::new(&rows, machines(&makers))?;
+    let remarks = Made::remarks(&makers, &Maker::Program(crate::provenance::program()));
     let made = ui.made(makers);
-    let report = || Ok(told.report(&ui.signed(&ui.provenance().command)));
+    let report = || Ok(told.report(&(ui.signed(&ui.provenance().command) + &remarks)));
     outputs.write(|| told.to_markdown(&made), report, || T::csv(&rows))?;
     ui.say(told.to_text())?;
     ui.json(&told)

@@ -3,7 +3,9 @@
 use super::options::Args;
 use crate::error::Error;
 use crate::weights;
+use edof_storage::digest::sha256;
 use edof_train::recipe::Recipe;
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 /// Rejects a new run where an unfinished one left a checkpoint, and `--resume` without a checkpoint.
@@ -23,6 +25,28 @@ pub(super) fn check(args: &Args, seeds: &[(Recipe, PathBuf)]) -> Result<(), Erro
             instead(args)
         ))),
         _ => Ok(()),
+    }
+}
+
+/// Keeps other trainings from the file that this one is going to write, until the value is dropped. None where the system has no place for it.
+///
+/// # Errors
+/// Another training that is running writes the same file.
+pub(super) fn lock(out: &Path) -> Result<Option<File>, Error> {
+    let place = std::path::absolute(out).unwrap_or_else(|_| out.to_owned());
+    let name = sha256(place.as_os_str().as_encoded_bytes());
+    let Some(folder) = edof_cosim::user_cache("running") else { return Ok(None) };
+    let Ok(file) = std::fs::create_dir_all(&folder)
+        .and_then(|()| File::create(folder.join(name).with_extension("lock")))
+    else {
+        return Ok(None);
+    };
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(Error::message(format!(
+            "--out {}: another training is writing it; wait for it, or name another file",
+            out.display()
+        ))),
+        _ => Ok(Some(file)),
     }
 }
 

@@ -44,6 +44,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     let files = Files::new(ui).reads_all(files).reads_all(args.from.as_deref().and_then(weights::float_file));
     let files =
         args.images.iter().fold(files, Files::reads_pictures_of).writes_as(Kind::Weights, "--out", &args.out);
+    let _lock = checkpoints::lock(&args.out)?;
     checkpoints::check(args, &seeds)?;
     let files = files.keeps(args.force);
     seeds.iter().fold(files, |files, (_, file)| files.writes("checkpoint", file)).check()?;
