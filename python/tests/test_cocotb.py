@@ -75,12 +75,12 @@ def test_the_chain_of_tiny_is_the_model_in_every_word_and_cycle(generated: Path,
 
 def test_an_edited_stage_is_found_by_stage_and_element(generated: Path, tmp_path: Path) -> None:
     # One bit of every second code of the M stages is wrong; what comes before them is right.
-    text = (generated / "tiny" / "rtl" / "results_m.v").read_text()
-    wrong = text.replace("wire [31:0] code = {shrink_odd_result,", "wire [31:0] code = {shrink_odd_result ^ 16'd1,")
+    text = (generated / "tiny" / "rtl" / "results.v").read_text()
+    wrong = text.replace("wire [31:0] code = {shrink_odd_result,", "wire [31:0] code = {shrink_odd_result ^ {15'd0, PASSES_BASE},")
     assert wrong != text
-    broken = tmp_path / "results_m.v"
+    broken = tmp_path / "results.v"
     broken.write_text(wrong)
-    files = [f for f in sorted((generated / "tiny" / "rtl").glob("*.v")) if f.name != "results_m.v"]
+    files = [f for f in sorted((generated / "tiny" / "rtl").glob("*.v")) if f.name != "results.v"]
     passed, said = simulate(generated, "cocotb_chain", "chain", [*files, broken], tmp_path)
     assert not passed
     assert re.search(r"Mismatch: stage M1 \(M1 to M2\), patch 0, element 1, cycle \d+: expected -?\d+, got -?\d+", said), said[-4000:]

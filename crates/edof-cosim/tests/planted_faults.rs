@@ -93,7 +93,8 @@ fn a_wrong_direction_of_rounding() {
 #[ignore = "others have wrong words: scripts/soak.sh"]
 fn a_drain_that_ends_one_beat_early() {
     // M1 has eight lanes: its drain ends with beat 3, here with beat 2.
-    let difference = found(|p| replaced(p, "stages_1", ".BEFORE_LAST_TAKE(8'd3)", ".BEFORE_LAST_TAKE(8'd2)"));
+    let (whole, early) = ("BEFORE_LAST_TAKE = 8'd3", "BEFORE_LAST_TAKE = 8'd2");
+    let difference = found(|p| replaced(p, "stages_1", whole, early));
     assert_eq!((difference.stage.as_str(), difference.boundary.as_str()), ("M1", "M1 to M2"));
     assert_eq!((difference.patch, difference.element), (0, 6));
 }
@@ -159,7 +160,7 @@ fn a_difference_names_what_drives_it_in_verilog_and_in_rust() {
         let (file, line) = place.verilog.split_once(':').unwrap();
         let text = &project.verilog.iter().find(|(name, _)| name == file).unwrap().1;
         let line = text.lines().nth(line.parse::<usize>().unwrap() - 1).unwrap();
-        assert!(file == "stage_m.v" && line.contains(port), "{place}: {line}");
+        assert!(file == "stage_mf.v" && line.contains(port), "{place}: {line}");
         assert!(place.rust.starts_with("crates/edof-hdl/src/blocks/stage.rs"), "{place}");
         if fault != Fault::Late {
             let (_, line) = place.rust.split_once(':').unwrap();

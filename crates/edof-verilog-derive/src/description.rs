@@ -17,6 +17,14 @@ pub fn tokens(circuit: &Circuit) -> TokenStream {
         Some(field) => quote!(::std::string::ToString::to_string(&self.#field)),
         None => sizes(circuit),
     };
+    let around = circuit.registers.as_ref().map(|_| {
+        quote! {
+            found.around(
+                ::edof_verilog::describe::Holds::hdl(self),
+                ::edof_verilog::describe::Resets::hdl(self),
+            );
+        }
+    });
     quote! {
         impl #generics ::edof_verilog::describe::Circuit for #name #arguments #clause {
             fn describe(&self, key: &str, found: &mut ::edof_verilog::describe::Descriptions) {
@@ -28,6 +36,7 @@ pub fn tokens(circuit: &Circuit) -> TokenStream {
                     fields: &[#(#said),*],
                 };
                 found.block(key, description, |found| {
+                    #around
                     #(::edof_verilog::describe::Circuit::describe(&self.#fields, #keys, found);)*
                 });
             }

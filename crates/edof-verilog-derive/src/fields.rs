@@ -1,5 +1,6 @@
 //! What the struct says: its fields, their documentation, and which of them start by themselves.
 
+use crate::registers::Registers;
 use syn::{
     Attribute, Data, DeriveInput, Expr, ExprLit, Field, Fields, Generics, Ident, Lit, Meta, Type, Visibility,
 };
@@ -15,6 +16,8 @@ pub struct Circuit<'a> {
     pub fields: Vec<Part<'a>>,
     /// The field that says which of several roles a block of this type has.
     pub role: Option<Ident>,
+    /// What clocks and resets the registers, where the kernel does not.
+    pub registers: Option<Registers>,
 }
 
 /// One of its fields.
@@ -25,6 +28,8 @@ pub struct Part<'a> {
     /// Rust data rather than hardware: its name starts with `_`.
     pub is_data: bool,
     pub start: Start,
+    /// The value after a reset, where the field says one.
+    pub reset: Option<Expr>,
 }
 
 /// How a field gets its first value.
@@ -49,7 +54,8 @@ impl<'a> Circuit<'a> {
             let is_list = last_name(&field.ty).is_some_and(|name| name == "Vec");
             let is_port = !is_data && !is_list && matches!(field.vis, Visibility::Public(_));
             let start = said.start(is_port, &field.ty);
-            Ok(Part { name, ty: &field.ty, doc: documentation(&field.attrs), is_data, start })
+            let reset = reset_of(field, said.registers.as_ref())?;
+            Ok(Part { name, ty: &field.ty, doc: documentation(&field.attrs), is_data, start, reset })
         };
         let fields = named.named.iter().map(part).collect::<syn::Result<_>>()?;
         let doc = documentation(&input.attrs);
@@ -57,7 +63,13 @@ impl<'a> Circuit<'a> {
             let missing = "a circuit needs documentation: it becomes the header of its Verilog";
             return Err(syn::Error::new_spanned(&input.ident, missing));
         }
-        Ok(Self { name: &input.ident, generics: &input.generics, doc, fields, role: said.role })
+        let Said { role, registers, .. } = said;
+        Ok(Self { name: &input.ident, generics: &input.generics, doc, fields, role, registers })
+    }
+
+    /// The fields that are registers.
+    pub fn registers(&self) -> impl Iterator<Item = &Part<'a>> {
+        self.fields.iter().filter(|field| is_register(field.ty))
     }
 
     /// The fields that are hardware.
@@ -66,12 +78,29 @@ impl<'a> Circuit<'a> {
     }
 }
 
-/// `#[circuit(default)]`, `#[circuit(default(A, B))]`, `#[circuit(role(_field))]`.
+fn is_register(ty: &Type) -> bool {
+    last_name(ty).is_some_and(|name| name == "DFF" || name == "DFFWithInit")
+}
+
+/// The value of a field's `#[reset(value)]`.
+fn reset_of(field: &Field, registers: Option<&Registers>) -> syn::Result<Option<Expr>> {
+    let Some(attribute) = field.attrs.iter().find(|attribute| attribute.path().is_ident("reset")) else {
+        return Ok(None);
+    };
+    if !is_register(&field.ty) || registers.is_none_or(|registers| registers.reset.is_none()) {
+        let missing = "`reset` is for registers of a struct with `#[circuit(registers(clock, reset))]`";
+        return Err(syn::Error::new_spanned(attribute, missing));
+    }
+    attribute.parse_args().map(Some)
+}
+
+/// `#[circuit(default)]`, `#[circuit(default(A, B))]`, `#[circuit(role(_field))]`, `#[circuit(registers(clock, reset))]`.
 #[derive(Default)]
 struct Said {
     all: bool,
     types: Vec<Ident>,
     role: Option<Ident>,
+    registers: Option<Registers>,
 }
 
 impl Said {
@@ -80,6 +109,17 @@ impl Said {
         for attribute in attributes.iter().filter(|attribute| attribute.path().is_ident("circuit")) {
             attribute.parse_nested_meta(|meta| {
                 let in_brackets = meta.input.peek(syn::token::Paren);
+                if meta.path.is_ident("registers") && in_brackets {
+                    let mut names = vec![];
+                    meta.parse_nested_meta(|field| {
+                        names.push(field.path.require_ident()?.clone());
+                        Ok(())
+                    })?;
+                    let mut names = names.into_iter();
+                    let clock = names.next().ok_or_else(|| meta.error("the clock is missing"))?;
+                    said.registers = Some(Registers { clock, reset: names.next() });
+                    return Ok(());
+                }
                 match (meta.path.is_ident("default"), meta.path.is_ident("role"), in_brackets) {
                     (true, _, false) => said.all = true,
                     (true, _, true) => meta.parse_nested_meta(|ty| {
@@ -90,7 +130,7 @@ impl Said {
                         said.role = Some(field.path.require_ident()?.clone());
                         Ok(())
                     })?,
-                    _ => return Err(meta.error("`default`, `default(Type, …)` or `role(field)` is expected")),
+                    _ => return Err(meta.error("`default`, `default(Type, …)`, `role(field)` or `registers(clock, reset)` is expected")),
                 }
                 Ok(())
             })?;

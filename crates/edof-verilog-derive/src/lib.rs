@@ -5,6 +5,7 @@
 //! | read | `fields` | the fields, their documentation, which of them start by themselves |
 //! | walk | `block` | rust-hdl's `Block` |
 //! | say | `description` | `edof_verilog::describe::Circuit`: name, source, header, comments |
+//! | clock | `registers` | what registers do before the kernel and after it |
 //! | make | `make` | `from_parts`, or `Default` |
 //! | mark | `kernel` | rust-hdl's `hdl_gen`, each statement with its line |
 
@@ -13,6 +14,7 @@ mod description;
 mod fields;
 mod kernel;
 mod make;
+mod registers;
 
 use proc_macro::TokenStream;
 use syn::{DeriveInput, parse_macro_input};
@@ -28,13 +30,18 @@ use syn::{DeriveInput, parse_macro_input};
 /// A module is called after the type. `#[circuit(role(_field))]` names a field whose text distinguishes blocks of one type, for instance the
 /// stages of a chain; without it the const parameters of the type do.
 /// `edof_verilog::describe` shows one.
-#[proc_macro_derive(Circuit, attributes(circuit))]
+///
+/// `#[circuit(registers(clock))]` gives every field of the type `DFF` or `DFFWithInit` the clock of that field of the block, and holds its
+/// value unless the kernel assigns another one, so that the kernel needs no `dff_setup!`. With `#[circuit(registers(clock, reset))]`
+/// a field's `#[reset(value)]` is its value after a cycle of `reset`, whatever the kernel says. The value is a number, a constant of the
+/// block or an expression: `#[reset(0)]`, `#[reset(false)]`, `#[reset(all_credits)]`, `#[reset(State::Idle)]`.
+#[proc_macro_derive(Circuit, attributes(circuit, reset))]
 pub fn derive_circuit(input: TokenStream) -> TokenStream {
     let input = parse_macro_input!(input as DeriveInput);
     fields::Circuit::read(&input)
         .map(|circuit| {
-            let parts = [block::tokens(&circuit), description::tokens(&circuit), make::tokens(&circuit)];
-            parts.into_iter().collect::<proc_macro2::TokenStream>()
+            let of = [block::tokens, description::tokens, registers::tokens, make::tokens];
+            of.into_iter().map(|tokens| tokens(&circuit)).collect::<proc_macro2::TokenStream>()
         })
         .unwrap_or_else(syn::Error::into_compile_error)
         .into()

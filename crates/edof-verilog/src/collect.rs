@@ -43,6 +43,8 @@ impl Tree {
 
     fn attach(&mut self, descriptions: &Descriptions, path: &str) {
         self.description = descriptions.get(path);
+        let kernel = std::mem::replace(&mut self.hdl, Verilog::Empty);
+        self.hdl = descriptions.whole(path, kernel);
         for part in &mut self.parts {
             part.attach(descriptions, &format!("{path}.{}", part.key));
         }

@@ -35,7 +35,7 @@
 //! assert!(text.starts_with("// Whether x is a number that was chosen when the circuit was made.\n"));
 //! ```
 
-use rust_hdl::prelude::{Block, Constant, DFF, DFFWithInit, Direction, Signal, Synth};
+use rust_hdl::prelude::{Block, Constant, DFF, DFFWithInit, Direction, Signal, Synth, Verilog};
 use std::collections::HashMap;
 use std::ops::BitXor;
 
@@ -94,11 +94,32 @@ fn describe_each<C: Circuit>(parts: &[C], key: &str, found: &mut Descriptions) {
     parts.iter().enumerate().for_each(|(i, part)| part.describe(&format!("{key}${i}"), found));
 }
 
+/// What registers do before the kernel: they take their clock and keep their values. Written by `#[circuit(registers(…))]`.
+pub trait Holds {
+    /// As in `Logic`.
+    fn update(&mut self);
+    /// As in `Logic`.
+    fn connect(&mut self);
+    /// As in `Logic`.
+    fn hdl(&self) -> Verilog;
+}
+
+/// What registers do after the kernel: they are reset. Written by `#[circuit(registers(…))]`.
+pub trait Resets {
+    /// As in `Logic`.
+    fn update(&mut self);
+    /// As in `Logic`.
+    fn connect(&mut self);
+    /// As in `Logic`.
+    fn hdl(&self) -> Verilog;
+}
+
 /// The descriptions of all blocks of a circuit.
 #[derive(Debug, Default)]
 pub struct Descriptions {
     open: Vec<String>,
     found: HashMap<String, Description>,
+    around: HashMap<String, [Verilog; 2]>,
 }
 
 impl Descriptions {
@@ -116,6 +137,23 @@ impl Descriptions {
         self.found.insert(self.open.join("."), description);
         parts(self);
         self.open.pop();
+    }
+
+    /// Adds what happens before and after the kernel of the block that is being described.
+    pub fn around(&mut self, before: Verilog, after: Verilog) {
+        self.around.insert(self.open.join("."), [before, after]);
+    }
+
+    /// The kernel of a block with what happens before and after it.
+    #[must_use]
+    pub fn whole(&self, path: &str, kernel: Verilog) -> Verilog {
+        match (self.around.get(path), kernel) {
+            (
+                Some([Verilog::Combinatorial(before), Verilog::Combinatorial(after)]),
+                Verilog::Combinatorial(kernel),
+            ) => Verilog::Combinatorial([before.clone(), kernel, after.clone()].concat()),
+            (_, kernel) => kernel,
+        }
     }
 
     /// The description of the block with these keys, from the top down, dots between them.

@@ -233,7 +233,8 @@ impl<'a> Printer<'a> {
         }
         let name = self.selectable(x, false);
         let sign = if x.ty.bits == 1 { name.clone() } else { format!("{name}[{}]", x.ty.bits - 1) };
-        Text::atom(format!("{{{{{by}{{{sign}}}}}, {name}}}"), false)
+        let signs = if by == 1 { sign } else { format!("{{{by}{{{sign}}}}}") };
+        Text::atom(format!("{{{signs}, {name}}}"), false)
     }
 
     fn bit(&mut self, x: &Expression, at: &Expression) -> Text {
@@ -331,6 +332,15 @@ impl<'a> Printer<'a> {
 enum Piece<'e> {
     Value(&'e Expression),
     Zeros(usize),
+}
+
+/// The values of a concatenation.
+pub(crate) fn pieces(joined: &Expression) -> Option<Vec<&Expression>> {
+    let value = |piece| match piece {
+        Piece::Value(value) => Some(value),
+        Piece::Zeros(_) => None,
+    };
+    side_by_side(joined).map(|pieces| pieces.into_iter().filter_map(value).collect())
 }
 
 /// Values that are shifted to places of their own and joined by `|`, with the zeros between them, from the highest place down.

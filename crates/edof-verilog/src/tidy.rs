@@ -143,8 +143,28 @@ pub(crate) fn expression(whole: Expression) -> Expression {
         Node::Logical("&&", x, y) => conjunction(*x, *y),
         Node::Logical("||", x, y) => disjunction(*x, *y),
         Node::Choose(test, x, y) if ty == Type::BIT => choice(*test, *x, *y),
+        Node::Choose(test, x, y) => match sign_extended(ty, &test, &x, &y) {
+            Some(number) => number,
+            None => Expression::new(ty, Node::Choose(test, x, y)),
+        },
         node => Expression::new(ty, node),
     }
+}
+
+/// `x[7] ? {8'd0, x} | 16'hff00 : {8'd0, x}` as the number x with its own sign.
+fn sign_extended(ty: Type, test: &Expression, ones: &Expression, zeros: &Expression) -> Option<Expression> {
+    let (Node::Bit(of, at), Node::Resize(x), Node::Wrapping("|", low, high)) =
+        (&test.node, &zeros.node, &ones.node)
+    else {
+        return None;
+    };
+    let (narrow, wide) = (x.ty.bits, ty.bits);
+    if ty.signed || x.ty.signed || narrow >= wide || wide > 100 || of != x || **low != *zeros {
+        return None;
+    }
+    let is_top = at.constant() == Some(narrow as i128 - 1);
+    let is_above = high.constant() == Some((1 << wide) - (1 << narrow));
+    (is_top && is_above).then(|| (**x).clone().reinterpret(true).resize(wide).reinterpret(false))
 }
 
 fn bit(node: Node) -> Expression {
@@ -349,6 +369,23 @@ mod tests {
                 let of = [inputs & 15, inputs >> 4 & 1, inputs >> 5];
                 assert_eq!(value(&tidied, of), value(&whole, of), "{whole:?} became {tidied:?} at {of:?}");
             }
+        }
+    }
+
+    #[test]
+    fn a_choice_that_copies_the_sign_upwards_is_an_extension_and_no_other_is() {
+        let (narrow, byte) = (signal(WIDE, 0), Type::bits(8));
+        let choose = |top: i128, above: i128| {
+            let test = bit(Node::Bit(Box::new(narrow.clone()), Box::new(number(top))));
+            let zeros = narrow.clone().resize(8);
+            let high = Box::new(Expression::literal(byte, above));
+            let ones = Expression::new(byte, Node::Wrapping("|", Box::new(zeros.clone()), high));
+            Expression::new(byte, Node::Choose(Box::new(test), Box::new(ones), Box::new(zeros)))
+        };
+        let extended = narrow.clone().reinterpret(true).resize(8).reinterpret(false);
+        assert_eq!(expression(choose(3, 0xf0)), extended);
+        for (top, above) in [(2, 0xf0), (3, 0xe0), (3, 0xf8)] {
+            assert_eq!(expression(choose(top, above)), choose(top, above));
         }
     }
 

@@ -4,8 +4,12 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::error::{EmitError, Fault, rust_path};
 use crate::expression::{Expression, Node};
+use crate::print::pieces;
 use crate::process::Process;
 use crate::scope::{Role, Scope, SignalId};
+
+/// Signals that a concatenation at a pin has at most.
+const PIECES: usize = 3;
 
 /// For a signal, what stands for it.
 #[derive(Debug, Default)]
@@ -100,7 +104,7 @@ impl Wiring {
     }
 }
 
-/// Conditions of two signals that stand at a pin by themselves; those of arrays are for a loop to see.
+/// Conditions of two signals, and signals side by side, that stand at a pin by themselves; those of arrays are for a loop to see.
 fn is_for_pin(scope: &Scope, pin: SignalId, value: &Expression) -> bool {
     let is_in_array =
         scope.signals[pin].key.split('$').nth(1).is_some_and(|part| part.parse::<usize>().is_ok());
@@ -114,7 +118,13 @@ fn is_for_pin(scope: &Scope, pin: SignalId, value: &Expression) -> bool {
         Node::Not(_) => is_term(value),
         _ => false,
     };
-    is_condition && !is_in_array
+    let is_wide =
+        |x: &Expression| matches!(x.node, Node::Signal(_)) && is_wire(scope, x) || is_slice(scope, x);
+    let is_concatenation = match &value.node {
+        Node::Resize(x) => !x.ty.signed && is_wide(x),
+        _ => pieces(value).is_some_and(|pieces| pieces.len() <= PIECES && pieces.into_iter().all(is_wide)),
+    };
+    (is_condition || is_concatenation) && !is_in_array
 }
 
 fn is_wire(scope: &Scope, value: &Expression) -> bool {

@@ -10,6 +10,7 @@ use rust_hdl::prelude::*;
 /// The ring never overflows: a stage holds at most four vectors in its store and three in its multipliers and drain. Vector v lies from row
 /// 128 v on.
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct BaseRing {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -25,20 +26,26 @@ pub struct BaseRing {
     pub front: Signal<Out, Pair>,
     ram: Ram<32>,
     last_beat: Constant<Bits<7>>,
+    #[reset(false)]
     write_q: DFF<Bit>,
     words_q: DFF<Pair>,
+    #[reset(0)]
     write_beat: DFF<Bits<7>>,
+    #[reset(0)]
     write_vector: DFF<Bits<3>>,
+    #[reset(0)]
     read_beat: DFF<Bits<7>>,
+    #[reset(0)]
     read_vector: DFF<Bits<3>>,
 }
 
 impl BaseRing {
-    /// The ring of an M stage.
+    /// The ring of a stage; it has no memory where no base is added.
     #[must_use]
     pub fn new(stage: &StagePlan) -> Self {
+        let depth = if stage.has_base() { timing::BASE_VECTORS * super::SLOT_ROWS } else { 0 };
         Self::from_parts(BaseRingParts {
-            ram: Ram::new(Shape::registered(timing::BASE_VECTORS * super::SLOT_ROWS), &[]),
+            ram: Ram::new(Shape::registered(depth), &[]),
             last_beat: Constant::new((stage.beats_in() as u64 - 1).into()),
         })
     }
@@ -47,7 +54,6 @@ impl BaseRing {
 impl Logic for BaseRing {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, write_q, words_q, write_beat, write_vector, read_beat, read_vector);
         self.ram.clock.next = self.clock.val();
         self.write_q.d.next = self.write.val();
         self.words_q.d.next = self.words.val();
@@ -72,13 +78,6 @@ impl Logic for BaseRing {
                 self.read_beat.d.next = 0.into();
                 self.read_vector.d.next = self.read_vector.q.val() + 1;
             }
-        }
-        if self.reset.val() {
-            self.write_q.d.next = false;
-            self.write_beat.d.next = 0.into();
-            self.write_vector.d.next = 0.into();
-            self.read_beat.d.next = 0.into();
-            self.read_vector.d.next = 0.into();
         }
     }
 }

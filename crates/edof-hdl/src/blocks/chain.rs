@@ -12,6 +12,7 @@ use rust_hdl::prelude::*;
 /// The stages of a design, I, each M, F: windows in, patches out. Where F has a linear path it takes the window with I.
 /// The outputs `between_*` show what stands between the stages, for observation; they cost nothing where they are left open.
 #[derive(Circuit)]
+#[circuit(registers(clock))]
 pub struct Chain {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -110,15 +111,6 @@ impl Chain {
 impl Logic for Chain {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            guard_reset,
-            guard_reset_counters,
-            guard_snapshot_1,
-            guard_snapshot,
-            guard_status
-        );
         for i in 0..self._count {
             self.stages[i].clock.next = self.clock.val();
             self.stages[i].reset.next = self.reset.val();

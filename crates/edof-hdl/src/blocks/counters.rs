@@ -6,7 +6,7 @@ use rust_hdl::prelude::*;
 
 /// Counts up to two events per cycle. `count` is the value at the last snapshot. Reset and snapshot pass through registers.
 #[derive(Circuit)]
-#[circuit(default)]
+#[circuit(default, registers(clock))]
 pub struct Counter {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -31,16 +31,12 @@ pub struct Counter {
 impl Logic for Counter {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, increment, count_q, latched);
         // Bits 0 and 2 reset, 1 and 3 snapshot: a register for what counts, one for what is shown.
         self.marks_q.clock.next = self.clock.val();
-        self.marks.next = 0.into();
-        if self.reset.val() {
-            self.marks.next = self.marks.val() | 5;
-        }
-        if self.snapshot.val() {
-            self.marks.next = self.marks.val() | 10;
-        }
+        self.marks.next = (bit_cast::<4, 1>(self.snapshot.val().into()) << 3)
+            | (bit_cast::<4, 1>(self.reset.val().into()) << 2)
+            | (bit_cast::<4, 1>(self.snapshot.val().into()) << 1)
+            | bit_cast::<4, 1>(self.reset.val().into());
         self.marks_q.data.next = self.marks.val();
         self.increment.d.next = 0.into();
         if self.enable.val() {

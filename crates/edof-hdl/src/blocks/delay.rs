@@ -47,7 +47,7 @@ impl<const W: usize, const N: usize> Logic for Delay<W, N> {
     }
 }
 
-/// A [`Delay`] whose length the design decides.
+/// A [`Delay`] whose length the design decides. One of 0 cycles has no registers, and its output is 0.
 #[derive(Circuit)]
 pub struct DelayOf<const W: usize> {
     /// Clock.
@@ -60,10 +60,10 @@ pub struct DelayOf<const W: usize> {
 }
 
 impl<const W: usize> DelayOf<W> {
-    /// A delay of one or more cycles.
+    /// A delay of `cycles` cycles.
     #[must_use]
     pub fn new(cycles: usize) -> Self {
-        Self::from_parts(DelayOfParts { _row: VecDeque::from(vec![Bits::default(); cycles.max(1)]) })
+        Self::from_parts(DelayOfParts { _row: VecDeque::from(vec![Bits::default(); cycles]) })
     }
 }
 

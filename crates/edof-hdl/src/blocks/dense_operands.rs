@@ -7,7 +7,7 @@ use rust_hdl::prelude::*;
 
 /// From what a step read to a row of weights and up to four values, four cycles after the step. Values without work are 0.
 #[derive(Circuit)]
-#[circuit(default(Delay))]
+#[circuit(default(Delay), registers(clock))]
 pub struct DenseOperands {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -54,30 +54,23 @@ pub struct DenseOperands {
     value_c_4: DFF<Bits<25>>,
     value_d_4: DFF<Bits<25>>,
     flags: Signal<Local, Bits<3>>,
+    wide_a: Signal<Local, Bits<25>>,
+    wide_b: Signal<Local, Bits<25>>,
+    wide_c: Signal<Local, Bits<25>>,
+    wide_d: Signal<Local, Bits<25>>,
 }
 
 impl Logic for DenseOperands {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self, clock, row, value_a_3, value_b_3, value_c_3, value_d_3, value_a_4, value_b_4, value_c_4,
-            value_d_4
-        );
         self.flags_to_2.clock.next = self.clock.val();
         self.row_to_4.clock.next = self.clock.val();
         self.first_to_4.clock.next = self.clock.val();
 
         // With the step, until what it read is there: bit 0 first, 1 valid, 2 odd.
-        self.flags.next = 0.into();
-        if self.first.val() {
-            self.flags.next = self.flags.val() | 1;
-        }
-        if self.valid.val() {
-            self.flags.next = self.flags.val() | 2;
-        }
-        if self.odd.val() {
-            self.flags.next = self.flags.val() | 4;
-        }
+        self.flags.next = (bit_cast::<3, 1>(self.odd.val().into()) << 2)
+            | (bit_cast::<3, 1>(self.valid.val().into()) << 1)
+            | bit_cast::<3, 1>(self.first.val().into());
         self.flags_to_2.data.next = self.flags.val();
         self.row.d.next = self.base.val() + self.offset.val();
         self.row_to_4.data.next = self.row.q.val();
@@ -101,22 +94,26 @@ impl Logic for DenseOperands {
         }
 
         // Cycle 4: as wide as a multiplier's input.
-        self.value_a_4.d.next = bit_cast::<25, 16>(self.value_a_3.q.val());
+        self.wide_a.next = bit_cast::<25, 16>(self.value_a_3.q.val());
         if self.value_a_3.q.val().get_bit(15) {
-            self.value_a_4.d.next = bit_cast::<25, 16>(self.value_a_3.q.val()) | 0x1ff_0000;
+            self.wide_a.next = bit_cast::<25, 16>(self.value_a_3.q.val()) | 0x1ff_0000;
         }
-        self.value_b_4.d.next = bit_cast::<25, 16>(self.value_b_3.q.val());
+        self.value_a_4.d.next = self.wide_a.val();
+        self.wide_b.next = bit_cast::<25, 16>(self.value_b_3.q.val());
         if self.value_b_3.q.val().get_bit(15) {
-            self.value_b_4.d.next = bit_cast::<25, 16>(self.value_b_3.q.val()) | 0x1ff_0000;
+            self.wide_b.next = bit_cast::<25, 16>(self.value_b_3.q.val()) | 0x1ff_0000;
         }
-        self.value_c_4.d.next = bit_cast::<25, 16>(self.value_c_3.q.val());
+        self.value_b_4.d.next = self.wide_b.val();
+        self.wide_c.next = bit_cast::<25, 16>(self.value_c_3.q.val());
         if self.value_c_3.q.val().get_bit(15) {
-            self.value_c_4.d.next = bit_cast::<25, 16>(self.value_c_3.q.val()) | 0x1ff_0000;
+            self.wide_c.next = bit_cast::<25, 16>(self.value_c_3.q.val()) | 0x1ff_0000;
         }
-        self.value_d_4.d.next = bit_cast::<25, 16>(self.value_d_3.q.val());
+        self.value_c_4.d.next = self.wide_c.val();
+        self.wide_d.next = bit_cast::<25, 16>(self.value_d_3.q.val());
         if self.value_d_3.q.val().get_bit(15) {
-            self.value_d_4.d.next = bit_cast::<25, 16>(self.value_d_3.q.val()) | 0x1ff_0000;
+            self.wide_d.next = bit_cast::<25, 16>(self.value_d_3.q.val()) | 0x1ff_0000;
         }
+        self.value_d_4.d.next = self.wide_d.val();
         self.first_to_4.data.next = self.flags_to_2.delayed.val().get_bits::<1>(0);
 
         self.step_first.next = self.first_to_4.delayed.val().get_bit(0);

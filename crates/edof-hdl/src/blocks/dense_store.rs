@@ -10,6 +10,7 @@ use rust_hdl::prelude::*;
 /// part of every vector, two elements a row, slot s from row 128 s on. Ready while fewer than four slots are full. Row read_row of
 /// all parts is read two cycles later. A vector's descriptor comes three cycles after its last beat.
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct DenseStore {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -46,18 +47,26 @@ pub struct DenseStore {
     last_row: Constant<Bits<7>>,
     descriptor_of_set_0: Constant<Descriptor>,
     all_slots: Constant<Bits<3>>,
+    #[reset(0)]
     full: DFF<Bits<3>>,
+    #[reset(false)]
     ready_q: DFF<Bit>,
+    #[reset(false)]
     valid_1: DFF<Bit>,
     data_1: DFF<Pair>,
     last_1: DFF<Bit>,
     set_1: DFF<Bit>,
+    #[reset(false)]
     arrived_2: DFF<Bit>,
     set_2: DFF<Bit>,
+    #[reset(false)]
     arrived_3: DFF<Bit>,
     set_3: DFF<Bit>,
+    #[reset(0)]
     part: DFF<Bits<2>>,
+    #[reset(0)]
     row: DFF<Bits<7>>,
+    #[reset(0)]
     write_slot: DFF<Bits<2>>,
     accept: Signal<Local, Bit>,
     full_next: Signal<Local, Bits<3>>,
@@ -92,11 +101,6 @@ impl DenseStore {
 impl Logic for DenseStore {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self, clock, full, ready_q, valid_1, data_1, last_1, set_1, arrived_2, set_2, arrived_3, set_3,
-            part, row, write_slot
-        );
-
         // Room for a vector.
         self.ready.next = self.ready_q.q.val();
         self.accept.next = self.valid.val() && self.ready_q.q.val();
@@ -159,17 +163,6 @@ impl Logic for DenseStore {
         }
         for i in 0..self._has_d {
             self.pair_d.next = self.parts[i + 3].read_data.val();
-        }
-
-        if self.reset.val() {
-            self.full.d.next = 0.into();
-            self.ready_q.d.next = false;
-            self.valid_1.d.next = false;
-            self.arrived_2.d.next = false;
-            self.arrived_3.d.next = false;
-            self.part.d.next = 0.into();
-            self.row.d.next = 0.into();
-            self.write_slot.d.next = 0.into();
         }
     }
 }

@@ -6,6 +6,7 @@ use rust_hdl::prelude::*;
 
 /// The change of one element of z, saturated, three cycles later.
 #[derive(Circuit)]
+#[circuit(registers(clock))]
 pub struct Difference {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -44,8 +45,6 @@ impl Difference {
 impl Logic for Difference {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, change_1, change_2, too_large, too_small, result_q, saturated_q);
-
         self.wide_current.next = bit_cast::<17, 16>(self.current.val());
         if self.current.val().get_bit(15) {
             self.wide_current.next = bit_cast::<17, 16>(self.current.val()) | 0x1_0000;

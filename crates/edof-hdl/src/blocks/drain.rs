@@ -11,7 +11,7 @@ use rust_hdl::prelude::*;
 /// their start and their release: the next one's sums come so late that a drain may still have some takes to go.
 /// Copy and take leave a cycle after they are decided.
 #[derive(Circuit)]
-#[circuit(default(Delay))]
+#[circuit(default(Delay), registers(clock, reset))]
 pub struct Drain {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -43,16 +43,23 @@ pub struct Drain {
     all_credits: Constant<Bits<8>>,
     needed_credits: Constant<Bits<8>>,
     in_flight: Delay<2, 6>,
+    #[reset(false)]
     sum_ready: DFF<Bit>,
     sum_set: DFF<Bit>,
+    #[reset(0)]
     open: DFF<Bits<2>>,
+    #[reset(false)]
     busy: DFF<Bit>,
+    #[reset(false)]
     loaded: DFF<Bit>,
+    #[reset(false)]
     is_active: DFF<Bit>,
     remaining: DFF<Bits<8>>,
     at_last: DFF<Bit>,
+    #[reset(0)]
     beat_q: DFF<Bits<8>>,
     drain_set: DFF<Bit>,
+    #[reset(all_credits)]
     credits: DFF<Bits<8>>,
     has_credits: DFF<Bit>,
     copy_q: DFF<Bit>,
@@ -85,27 +92,6 @@ impl Drain {
 impl Logic for Drain {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            sum_ready,
-            sum_set,
-            open,
-            busy,
-            loaded,
-            is_active,
-            remaining,
-            at_last,
-            beat_q,
-            drain_set,
-            credits,
-            has_credits,
-            copy_q,
-            take_q,
-            taken_beat,
-            last_q,
-            set_q
-        );
         self.in_flight.clock.next = self.clock.val();
 
         self.issued.next = 0.into();
@@ -175,15 +161,5 @@ impl Logic for Drain {
         self.beat.next = self.taken_beat.q.val();
         self.last.next = self.last_q.q.val();
         self.take_set.next = self.set_q.q.val();
-
-        if self.reset.val() {
-            self.sum_ready.d.next = false;
-            self.open.d.next = 0.into();
-            self.busy.d.next = false;
-            self.loaded.d.next = false;
-            self.is_active.d.next = false;
-            self.beat_q.d.next = 0.into();
-            self.credits.d.next = self.all_credits.val();
-        }
     }
 }

@@ -8,7 +8,7 @@ use rust_hdl::prelude::*;
 /// The CRC (`edof_device::crc`) of every frame of beats that passes a boundary, and how many frames there were. It only looks: nothing waits for it.
 /// A snapshot copies the last whole frame's CRC and number to where they are shown, so that those of several boundaries belong together.
 #[derive(Circuit)]
-#[circuit(default(Crc, Delay))]
+#[circuit(default(Crc, Delay), registers(clock, reset))]
 pub struct FrameCheck<const W: usize> {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -28,10 +28,15 @@ pub struct FrameCheck<const W: usize> {
     // Two registers of their own, a cycle after the reset: it leads to few registers each time.
     resets: Delay<2, 1>,
     frame_crc: Crc<W>,
+    #[reset(false)]
     valid_q: DFF<Bit>,
+    #[reset(true)]
     is_first: DFF<Bit>,
+    #[reset(last_beat)]
     remaining: DFF<Bits<28>>,
+    #[reset(false)]
     at_end: DFF<Bit>,
+    #[reset(false)]
     ends: DFF<Bit>,
     whole: DFF<Bits<32>>,
     frames_q: DFF<Bits<8>>,
@@ -50,19 +55,6 @@ impl<const W: usize> FrameCheck<W> {
 impl<const W: usize> Logic for FrameCheck<W> {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            valid_q,
-            is_first,
-            remaining,
-            at_end,
-            ends,
-            whole,
-            frames_q,
-            latched,
-            latched_frames
-        );
         self.frame_crc.clock.next = self.clock.val();
         self.resets.clock.next = self.clock.val();
         self.resets.data.next = 0.into();
@@ -95,13 +87,6 @@ impl<const W: usize> Logic for FrameCheck<W> {
         self.crc.next = self.latched.q.val();
         self.frames.next = self.latched_frames.q.val();
 
-        if self.reset.val() {
-            self.valid_q.d.next = false;
-            self.is_first.d.next = true;
-            self.remaining.d.next = self.last_beat.val();
-            self.at_end.d.next = false;
-            self.ends.d.next = false;
-        }
         if self.resets.delayed.val().get_bit(0) {
             self.whole.d.next = 0.into();
             self.frames_q.d.next = 0.into();

@@ -65,13 +65,12 @@ pub type Index = Bits<9>;
 /// An element's index above its value.
 pub type IndexedValue = Bits<25>;
 
-/// Suffix of a stage's module names, by its kind.
+/// Suffix of a stage's module name: I takes every element of a vector, M and F are one module with parameters.
 fn role(stage: &StagePlan) -> String {
     match stage.kind {
         Kind::I => "i",
-        Kind::M if stage.sends_difference => "m_difference",
-        Kind::M => "m",
-        Kind::F => "f",
+        _ if stage.sends_difference => "m_difference",
+        _ => "mf",
     }
     .into()
 }

@@ -9,7 +9,7 @@ use rust_hdl::prelude::*;
 /// From what a step read to rows of weights and values, four cycles after the step: pairs, or pixels of the window (F), shifted left
 /// where F aligns its two sums. A value without work is 0.
 #[derive(Circuit)]
-#[circuit(default(Delay))]
+#[circuit(default(Delay), registers(clock))]
 pub struct PairOperands {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -86,44 +86,17 @@ impl PairOperands {
 impl Logic for PairOperands {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            value_a_3,
-            value_b_3,
-            base_3,
-            offset_a_3,
-            offset_b_3,
-            shift_3,
-            address_a_4,
-            address_b_4,
-            value_a_4,
-            value_b_4
-        );
         self.flags_to_2.clock.next = self.clock.val();
         self.rows_to_2.clock.next = self.clock.val();
         self.first_to_4.clock.next = self.clock.val();
 
         // With the step, until what it read is there: bit 0 first, 1 valid, 2 a second valid, 3 window, 4 odd, 5 set.
-        self.flags.next = 0.into();
-        if self.first.val() {
-            self.flags.next = self.flags.val() | 1;
-        }
-        if self.valid_a.val() {
-            self.flags.next = self.flags.val() | 2;
-        }
-        if self.valid_b.val() {
-            self.flags.next = self.flags.val() | 4;
-        }
-        if self.linear.val() {
-            self.flags.next = self.flags.val() | 8;
-        }
-        if self.odd.val() {
-            self.flags.next = self.flags.val() | 16;
-        }
-        if self.set.val() {
-            self.flags.next = self.flags.val() | 32;
-        }
+        self.flags.next = (bit_cast::<6, 1>(self.set.val().into()) << 5)
+            | (bit_cast::<6, 1>(self.odd.val().into()) << 4)
+            | (bit_cast::<6, 1>(self.linear.val().into()) << 3)
+            | (bit_cast::<6, 1>(self.valid_b.val().into()) << 2)
+            | (bit_cast::<6, 1>(self.valid_a.val().into()) << 1)
+            | bit_cast::<6, 1>(self.first.val().into());
         self.flags_to_2.data.next = self.flags.val();
         self.rows_to_2.data.next =
             (bit_cast::<24, 12>(self.base.val()) << 12) | bit_cast::<24, 12>(self.offset.val());

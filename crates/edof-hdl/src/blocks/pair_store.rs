@@ -11,6 +11,7 @@ use rust_hdl::prelude::*;
 /// the even memory, pair 2r + 1 at the same row of the odd one; both are read two cycles after read_row. A vector's descriptor comes three
 /// cycles after its last beat.
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct PairStore {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -46,34 +47,46 @@ pub struct PairStore {
     odd_pairs: Ram<25>,
     two_rows: Constant<Bit>,
     all_slots: Constant<Bits<3>>,
+    #[reset(0)]
     full: DFF<Bits<3>>,
+    #[reset(false)]
     ready_q: DFF<Bit>,
     full_next: Signal<Local, Bits<3>>,
     accept: Signal<Local, Bit>,
     // A cycle after a beat came.
+    #[reset(false)]
     valid_1: DFF<Bit>,
     even_1: DFF<Word>,
     odd_1: DFF<Word>,
     last_1: DFF<Bit>,
     set_1: DFF<Bit>,
     // Two cycles after.
+    #[reset(false)]
     valid_2: DFF<Bit>,
+    #[reset(false)]
     store_even_2: DFF<Bit>,
+    #[reset(false)]
     store_odd_2: DFF<Bit>,
     even_2: DFF<Word>,
     odd_2: DFF<Word>,
     last_2: DFF<Bit>,
     set_2: DFF<Bit>,
+    #[reset(0)]
     beat: DFF<Bits<8>>,
+    #[reset(0)]
     stored: DFF<Index>,
+    #[reset(0)]
     write_slot: DFF<Bits<2>>,
     // Three cycles after.
+    #[reset(false)]
     even_write_3: DFF<Bit>,
+    #[reset(false)]
     odd_write_3: DFF<Bit>,
     even_row_3: DFF<Row>,
     odd_row_3: DFF<Row>,
     even_data_3: DFF<IndexedValue>,
     odd_data_3: DFF<IndexedValue>,
+    #[reset(false)]
     arrived_3: DFF<Bit>,
     count_3: DFF<Index>,
     set_3: DFF<Bit>,
@@ -106,36 +119,6 @@ impl PairStore {
 impl Logic for PairStore {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            full,
-            ready_q,
-            valid_1,
-            even_1,
-            odd_1,
-            last_1,
-            set_1,
-            valid_2,
-            store_even_2,
-            store_odd_2,
-            even_2,
-            odd_2,
-            last_2,
-            set_2,
-            beat,
-            stored,
-            write_slot,
-            even_write_3,
-            odd_write_3,
-            even_row_3,
-            odd_row_3,
-            even_data_3,
-            odd_data_3,
-            arrived_3,
-            count_3,
-            set_3
-        );
         self.even_pairs.clock.next = self.clock.val();
         self.odd_pairs.clock.next = self.clock.val();
 
@@ -250,20 +233,5 @@ impl Logic for PairStore {
         self.odd_pairs.read_address.next = bit_cast::<12, 9>(self.read_row.val());
         self.even_pair.next = self.even_pairs.read_data.val();
         self.odd_pair.next = self.odd_pairs.read_data.val();
-
-        if self.reset.val() {
-            self.full.d.next = 0.into();
-            self.ready_q.d.next = false;
-            self.valid_1.d.next = false;
-            self.valid_2.d.next = false;
-            self.store_even_2.d.next = false;
-            self.store_odd_2.d.next = false;
-            self.beat.d.next = 0.into();
-            self.stored.d.next = 0.into();
-            self.write_slot.d.next = 0.into();
-            self.even_write_3.d.next = false;
-            self.odd_write_3.d.next = false;
-            self.arrived_3.d.next = false;
-        }
     }
 }

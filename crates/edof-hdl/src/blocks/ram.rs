@@ -7,6 +7,7 @@ use edof_device::design::memory::image_name;
 use rust_hdl::prelude::*;
 
 /// One write port, one read port, one clock. A read takes a cycle, with the block RAM's output register two, and gives what lay there before a write in the same cycle.
+/// One without rows has no memory, and reads 0.
 #[derive(Circuit)]
 pub struct Ram<const W: usize> {
     /// Clock.

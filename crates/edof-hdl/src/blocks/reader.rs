@@ -11,7 +11,7 @@ use rust_hdl::prelude::*;
 /// multipliers a step; thresholds until there is a pause in which they are not used; a register is there at once. A command ends the
 /// one before, and begins 64 cycles later, when nothing of that is on its way any more.
 #[derive(Circuit)]
-#[circuit(default(Delay))]
+#[circuit(default(Delay), registers(clock, reset))]
 pub struct Reader {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -48,14 +48,18 @@ pub struct Reader {
     polynomial: Constant<Bits<32>>,
     ones: Constant<Bits<32>>,
     top: Constant<Bits<64>>,
+    #[reset(false)]
     is_active: DFF<Bit>,
     fresh: DFF<Bit>,
+    #[reset(false)]
     request: DFF<Bit>,
     space: DFF<Bits<2>>,
     bank_q: DFF<Bits<6>>,
     row_q: DFF<Row>,
     remaining: DFF<Row>,
+    #[reset(0)]
     cycle: DFF<Bits<8>>,
+    #[reset(false)]
     at_end: DFF<Bit>,
     clear_word: DFF<Bit>,
     clear_crc: DFF<Bit>,
@@ -91,10 +95,6 @@ impl Default for Reader {
 impl Logic for Reader {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self, clock, is_active, fresh, request, space, bank_q, row_q, remaining, cycle, at_end,
-            clear_word, clear_crc, read_word, word, crc
-        );
         self.shifts.clock.next = self.clock.val();
 
         // A row is asked for in cycle 0, as long as it takes; it is here before the 192nd, and goes through the CRC in the last 64.
@@ -187,12 +187,5 @@ impl Logic for Reader {
             }
         }
         self.value.next = self.status_word.val();
-
-        if self.reset.val() {
-            self.is_active.d.next = false;
-            self.request.d.next = false;
-            self.at_end.d.next = false;
-            self.cycle.d.next = 0.into();
-        }
     }
 }

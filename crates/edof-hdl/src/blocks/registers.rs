@@ -8,6 +8,7 @@ use rust_hdl::prelude::*;
 
 /// What the host sets in a stage: shifts of both sets (result 6 bits, base 6, code 4, linear path 4), and control.
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct Registers {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -27,8 +28,11 @@ pub struct Registers {
     pub skip_zeros: Signal<Out, Bit>,
     start: Start<20>,
     start_skip: Constant<Bit>,
+    #[reset(self.start.first.val())]
     shifts_0_q: DFF<Bits<20>>,
+    #[reset(self.start.second.val())]
     shifts_1_q: DFF<Bits<20>>,
+    #[reset(start_skip)]
     skip_q: DFF<Bit>,
 }
 
@@ -49,7 +53,6 @@ impl Registers {
 impl Logic for Registers {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, shifts_0_q, shifts_1_q, skip_q);
         self.start.clock.next = self.clock.val();
         if self.write_enable.val() {
             if self.write_row.val() == 0 {
@@ -59,11 +62,6 @@ impl Logic for Registers {
             } else if self.write_row.val() == 2 {
                 self.skip_q.d.next = self.write_data.val().get_bit(0);
             }
-        }
-        if self.reset.val() {
-            self.shifts_0_q.d.next = self.start.first.val();
-            self.shifts_1_q.d.next = self.start.second.val();
-            self.skip_q.d.next = self.start_skip.val();
         }
         self.shifts_0.next = self.shifts_0_q.q.val();
         self.shifts_1.next = self.shifts_1_q.q.val();

@@ -10,7 +10,7 @@ use rust_hdl::prelude::*;
 /// half is 2^(result_shift - 1), or 0 for a shift of 0. Numbers are in two's complement. Shifts are made in two cycles each, by less
 /// than eight and by eights; additions in two, half by half; what does not fit is known a cycle before it is replaced.
 #[derive(Circuit)]
-#[circuit(default(Delay, Add))]
+#[circuit(default(Delay, Add), registers(clock))]
 pub struct Requantize {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -77,22 +77,6 @@ impl Requantize {
 impl Logic for Requantize {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            fine_1,
-            half_1,
-            aligned_2,
-            half_2,
-            fine_7,
-            coarse_7,
-            shifted_8,
-            result_9,
-            too_large,
-            too_small,
-            result_q,
-            saturated_q
-        );
         self.sum_to_4.clock.next = self.clock.val();
         self.coarse_to_1.clock.next = self.clock.val();
         self.shift_to_6.clock.next = self.clock.val();

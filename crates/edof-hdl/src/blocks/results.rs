@@ -1,12 +1,12 @@
 //! From sums to output words.
 
 use super::base_ring::BaseRing;
-use super::delay::Delay;
+use super::delay::{Delay, DelayOf};
 use super::difference::Difference;
 use super::ram::{Ram, Shape};
 use super::requantize::Requantize;
 use super::shrink::Shrink;
-use super::{Pair, Row, Sum, Word, role};
+use super::{Pair, Row, Sum, Word};
 use crate::describe::{Circuit, kernel};
 use crate::verilog::Optional;
 use edof_device::design::{Design, StagePlan, memory};
@@ -15,8 +15,9 @@ use rust_hdl::prelude::*;
 
 /// From sums to output words, two elements per cycle. Counted from `take`: 7 sums and base stand here, 8 to 17 base, rounding,
 /// shift and saturation, 18 to 20 threshold, 21 to 23 difference or wait. Nothing in here ever stalls.
+/// A memory of depth 0 and a delay of 0 cycles are absent: what only other stages need costs nothing.
 #[derive(Circuit)]
-#[circuit(default(Delay), role(_role))]
+#[circuit(default(Delay), role(_role), registers(clock))]
 pub struct Results {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -79,6 +80,10 @@ pub struct Results {
     /// Which differences did not fit.
     pub difference_saturated: Signal<Out, Bits<2>>,
     set_rows: Constant<Row>,
+    /// Codes are sent (I, M), not results (F).
+    shrinks: Constant<Bit>,
+    /// Base words for the next stage are those that came in.
+    passes_base: Constant<Bit>,
     marks_to_5: Delay<3, 5>,
     marks_to_6: Delay<3, 1>,
     marks_to_23: Delay<3, 17>,
@@ -90,33 +95,28 @@ pub struct Results {
     requantize_even: Requantize,
     requantize_odd: Requantize,
     result_flags: Delay<2, 6>,
-    base_ring: Optional<BaseRing>,
-    thresholds: Optional<Ram<32>>,
-    shrink_even: Optional<Shrink>,
-    shrink_odd: Optional<Shrink>,
-    code_flags: Optional<Delay<2, 3>>,
-    codes_to_23: Optional<Delay<32, 3>>,
+    base_ring: BaseRing,
+    thresholds: Ram<32>,
+    shrink_even: Shrink,
+    shrink_odd: Shrink,
+    code_flags: DelayOf<2>,
+    codes_to_23: DelayOf<32>,
+    result_to_23: DelayOf<32>,
+    base_to_23: DelayOf<32>,
+    base_mark: DFF<Bit>,
     base_to_17: Optional<Delay<32, 10>>,
     previous_thresholds: Optional<Ram<32>>,
     previous_even: Optional<Shrink>,
     previous_odd: Optional<Shrink>,
     difference_even: Optional<Difference>,
     difference_odd: Optional<Difference>,
-    result_to_23: Optional<Delay<32, 6>>,
-    base_to_23: Optional<Delay<32, 6>>,
-    base_mark: Optional<Delay<1, 1>>,
     marks: Signal<Local, Bits<3>>,
     place: Signal<Local, Bits<10>>,
-    base_word: Signal<Local, Pair>,
     result: Signal<Local, Pair>,
-    code_even: Signal<Local, Word>,
-    code_odd: Signal<Local, Word>,
     code: Signal<Local, Pair>,
     change_even: Signal<Local, Word>,
     change_odd: Signal<Local, Word>,
     change: Signal<Local, Pair>,
-    code_flag_even: Signal<Local, Bits<1>>,
-    code_flag_odd: Signal<Local, Bits<1>>,
     code_flag: Signal<Local, Bits<2>>,
     change_flag_even: Signal<Local, Bits<1>>,
     change_flag_odd: Signal<Local, Bits<1>>,
@@ -131,33 +131,36 @@ impl Results {
         let bits = if stage.shrinks() { design.code_bits } else { 16 };
         let shrinkage = design.form.shrinkage;
         let (has_base, shrinks, differs) = (stage.has_base(), stage.shrinks(), stage.sends_difference);
-        let thresholds = |before: bool| {
-            let image = Some(memory::threshold_image(stage, before));
-            let words = sets.iter().flat_map(|n| memory::threshold_words(n, stage, before)).map(u64::from);
-            let shape = Shape { image, ..Shape::distributed(stage.outputs) };
-            Ram::new(shape, &words.collect::<Vec<_>>())
+        let thresholds = |before: bool, depth: usize| {
+            let image = (depth > 0).then(|| memory::threshold_image(stage, before));
+            let words =
+                sets.iter().filter(|_| depth > 0).flat_map(|n| memory::threshold_words(n, stage, before));
+            Ram::new(Shape { image, ..Shape::distributed(depth) }, &words.map(u64::from).collect::<Vec<_>>())
         };
-        let shrink = || Shrink::new(shrinkage, bits);
+        let shrink = || Shrink::new(shrinkage, design.code_bits);
+        let delay = |is_there: bool, cycles: usize| if is_there { cycles } else { 0 };
+        let passes_base = has_base && !differs;
         Self::from_parts(ResultsParts {
             set_rows: Constant::new((stage.beats_out() as u64).into()),
+            shrinks: Constant::new(shrinks),
+            passes_base: Constant::new(passes_base),
             requantize_even: Requantize::new(bits, has_base),
             requantize_odd: Requantize::new(bits, has_base),
-            base_ring: Optional::when(has_base, || BaseRing::new(stage)),
-            thresholds: Optional::when(shrinks, || thresholds(false)),
-            shrink_even: Optional::when(shrinks, shrink),
-            shrink_odd: Optional::when(shrinks, shrink),
-            code_flags: Optional::when(shrinks, Delay::default),
-            codes_to_23: Optional::when(shrinks && !differs, Delay::default),
+            base_ring: BaseRing::new(stage),
+            thresholds: thresholds(false, if shrinks { stage.outputs } else { 0 }),
+            shrink_even: shrink(),
+            shrink_odd: shrink(),
+            code_flags: DelayOf::new(delay(shrinks, 3)),
+            codes_to_23: DelayOf::new(delay(shrinks && !differs, 3)),
+            result_to_23: DelayOf::new(delay(!shrinks, 6)),
+            base_to_23: DelayOf::new(delay(stage.feeds_m && !passes_base, 6)),
             base_to_17: Optional::when(differs, Delay::default),
-            previous_thresholds: Optional::when(differs, || thresholds(true)),
+            previous_thresholds: Optional::when(differs, || thresholds(true, stage.outputs)),
             previous_even: Optional::when(differs, shrink),
             previous_odd: Optional::when(differs, shrink),
             difference_even: Optional::when(differs, || Difference::new(bits)),
             difference_odd: Optional::when(differs, || Difference::new(bits)),
-            result_to_23: Optional::when(!shrinks, Delay::default),
-            base_to_23: Optional::when(stage.feeds_m && (differs || !has_base), Delay::default),
-            base_mark: Optional::when(has_base && !differs, Delay::default),
-            _role: role(stage),
+            _role: if differs { "difference".into() } else { String::new() },
         })
     }
 }
@@ -165,7 +168,6 @@ impl Results {
 impl Logic for Results {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, threshold_row, shifts, read_16, read_17);
         self.marks_to_5.clock.next = self.clock.val();
         self.marks_to_6.clock.next = self.clock.val();
         self.marks_to_23.clock.next = self.clock.val();
@@ -173,6 +175,14 @@ impl Logic for Results {
         self.requantize_even.clock.next = self.clock.val();
         self.requantize_odd.clock.next = self.clock.val();
         self.result_flags.clock.next = self.clock.val();
+        self.base_ring.clock.next = self.clock.val();
+        self.thresholds.clock.next = self.clock.val();
+        self.shrink_even.clock.next = self.clock.val();
+        self.shrink_odd.clock.next = self.clock.val();
+        self.code_flags.clock.next = self.clock.val();
+        self.codes_to_23.clock.next = self.clock.val();
+        self.result_to_23.clock.next = self.clock.val();
+        self.base_to_23.clock.next = self.clock.val();
 
         // What travels with a beat: bit 0 it is one, bit 1 last, bit 2 set.
         self.marks.next = (bit_cast::<3, 1>(self.set.val().into()) << 2)
@@ -187,25 +197,20 @@ impl Logic for Results {
         self.place_to_15.data.next = self.place.val();
 
         // Cycles 7 to 17: base and rounding.
-        self.base_word.next = 0.into();
-        for i in 0..self.base_ring.count() {
-            self.base_ring[i].clock.next = self.clock.val();
-            self.base_ring[i].reset.next = self.reset.val();
-            self.base_ring[i].write.next = self.base_write.val();
-            self.base_ring[i].words.next = self.base_words.val();
-            self.base_ring[i].read.next = self.marks_to_5.delayed.val().get_bit(0);
-            self.base_word.next = self.base_ring[i].front.val();
-        }
+        self.base_ring.reset.next = self.reset.val();
+        self.base_ring.write.next = self.base_write.val();
+        self.base_ring.words.next = self.base_words.val();
+        self.base_ring.read.next = self.marks_to_5.delayed.val().get_bit(0);
         self.shifts.d.next = self.shifts_0.val().get_bits::<12>(0);
         if self.marks_to_6.delayed.val().get_bit(2) {
             self.shifts.d.next = self.shifts_1.val().get_bits::<12>(0);
         }
         self.requantize_even.sum.next = self.sum_even.val();
-        self.requantize_even.base.next = self.base_word.val().get_bits::<16>(0);
+        self.requantize_even.base.next = self.base_ring.front.val().get_bits::<16>(0);
         self.requantize_even.base_shift.next = self.shifts.q.val().get_bits::<6>(6);
         self.requantize_even.result_shift.next = self.shifts.q.val().get_bits::<6>(0);
         self.requantize_odd.sum.next = self.sum_odd.val();
-        self.requantize_odd.base.next = self.base_word.val().get_bits::<16>(16);
+        self.requantize_odd.base.next = self.base_ring.front.val().get_bits::<16>(16);
         self.requantize_odd.base_shift.next = self.shifts.q.val().get_bits::<6>(6);
         self.requantize_odd.result_shift.next = self.shifts.q.val().get_bits::<6>(0);
         self.result.next = (bit_cast::<32, 16>(self.requantize_odd.result.val()) << 16)
@@ -228,45 +233,26 @@ impl Logic for Results {
         }
         self.read_17.d.next = self.read_16.q.val();
         self.read_valid.next = self.read_17.q.val();
-        self.read_thresholds.next = 0.into();
         self.read_previous.next = 0.into();
-        self.code_flag_even.next = 0.into();
-        self.code_flag_odd.next = 0.into();
-        self.code_even.next = 0.into();
-        self.code_odd.next = 0.into();
-        self.code_saturated.next = 0.into();
-        for i in 0..self.thresholds.count() {
-            self.thresholds[i].clock.next = self.clock.val();
-            self.thresholds[i].read_address.next = self.threshold_row.q.val();
-            self.read_thresholds.next = self.thresholds[i].read_data.val();
-            self.thresholds[i].write_enable.next = self.write_thresholds.val();
-            self.thresholds[i].write_address.next = self.write_row.val();
-            self.thresholds[i].write_data.next = self.write_data.val();
-            self.shrink_even[i].clock.next = self.clock.val();
-            self.shrink_even[i].code.next = self.requantize_even.result.val();
-            self.shrink_even[i].threshold.next = self.thresholds[i].read_data.val().get_bits::<16>(0);
-            self.shrink_odd[i].clock.next = self.clock.val();
-            self.shrink_odd[i].code.next = self.requantize_odd.result.val();
-            self.shrink_odd[i].threshold.next = self.thresholds[i].read_data.val().get_bits::<16>(16);
-            self.code_even.next = self.shrink_even[i].result.val();
-            self.code_odd.next = self.shrink_odd[i].result.val();
-            self.code_flags[i].clock.next = self.clock.val();
-            self.code_flag_even.next = self.shrink_even[i].saturated.val();
-            self.code_flag_odd.next = self.shrink_odd[i].saturated.val();
-        }
-        self.code_flag.next =
-            (bit_cast::<2, 1>(self.code_flag_odd.val()) << 1) | bit_cast::<2, 1>(self.code_flag_even.val());
-        self.code.next =
-            (bit_cast::<32, 16>(self.code_odd.val()) << 16) | bit_cast::<32, 16>(self.code_even.val());
-        for i in 0..self.thresholds.count() {
-            self.code_flags[i].data.next = self.code_flag.val();
-            self.code_saturated.next = self.code_flags[i].delayed.val();
-        }
-        self.sent.next = 0.into();
-        for i in 0..self.codes_to_23.count() {
-            self.codes_to_23[i].clock.next = self.clock.val();
-            self.codes_to_23[i].data.next = self.code.val();
-            self.sent.next = self.codes_to_23[i].delayed.val();
+        self.thresholds.read_address.next = self.threshold_row.q.val();
+        self.thresholds.write_enable.next = self.write_thresholds.val();
+        self.thresholds.write_address.next = self.write_row.val();
+        self.thresholds.write_data.next = self.write_data.val();
+        self.read_thresholds.next = self.thresholds.read_data.val();
+        self.shrink_even.code.next = self.requantize_even.result.val();
+        self.shrink_even.threshold.next = self.thresholds.read_data.val().get_bits::<16>(0);
+        self.shrink_odd.code.next = self.requantize_odd.result.val();
+        self.shrink_odd.threshold.next = self.thresholds.read_data.val().get_bits::<16>(16);
+        self.code_flags.data.next = (bit_cast::<2, 1>(self.shrink_odd.saturated.val().into()) << 1)
+            | bit_cast::<2, 1>(self.shrink_even.saturated.val().into());
+        self.code_saturated.next = self.code_flags.delayed.val();
+        self.code.next = (bit_cast::<32, 16>(self.shrink_odd.result.val()) << 16)
+            | bit_cast::<32, 16>(self.shrink_even.result.val());
+        self.codes_to_23.data.next = self.code.val();
+        self.result_to_23.data.next = self.result.val();
+        self.sent.next = self.result_to_23.delayed.val();
+        if self.shrinks.val() {
+            self.sent.next = self.codes_to_23.delayed.val();
         }
 
         // Cycles 21 to 23: the difference to the z before, made again from the base and the thresholds before.
@@ -286,7 +272,7 @@ impl Logic for Results {
             (bit_cast::<32, 16>(self.change_odd.val()) << 16) | bit_cast::<32, 16>(self.change_even.val());
         for i in 0..self.difference_even.count() {
             self.base_to_17[i].clock.next = self.clock.val();
-            self.base_to_17[i].data.next = self.base_word.val();
+            self.base_to_17[i].data.next = self.base_ring.front.val();
             self.previous_thresholds[i].clock.next = self.clock.val();
             self.previous_thresholds[i].read_address.next = self.threshold_row.q.val();
             self.read_previous.next = self.previous_thresholds[i].read_data.val();
@@ -302,33 +288,22 @@ impl Logic for Results {
             self.previous_odd[i].threshold.next =
                 self.previous_thresholds[i].read_data.val().get_bits::<16>(16);
             self.difference_even[i].clock.next = self.clock.val();
-            self.difference_even[i].current.next = self.code_even.val();
+            self.difference_even[i].current.next = self.shrink_even.result.val();
             self.difference_even[i].previous.next = self.previous_even[i].result.val();
             self.difference_odd[i].clock.next = self.clock.val();
-            self.difference_odd[i].current.next = self.code_odd.val();
+            self.difference_odd[i].current.next = self.shrink_odd.result.val();
             self.difference_odd[i].previous.next = self.previous_odd[i].result.val();
             self.sent.next = self.change.val();
         }
 
-        // Output words.
+        // Output words. Base words that only pass through wait where all do, in the FIFO behind.
+        self.base_to_23.data.next = self.result.val();
+        self.base_mark.d.next = self.marks_to_6.delayed.val().get_bit(0);
         self.base_push.next = self.marks_to_23.delayed.val().get_bit(0);
-        self.base.next = 0.into();
-        for i in 0..self.result_to_23.count() {
-            self.result_to_23[i].clock.next = self.clock.val();
-            self.result_to_23[i].data.next = self.result.val();
-            self.sent.next = self.result_to_23[i].delayed.val();
-        }
-        for i in 0..self.base_to_23.count() {
-            self.base_to_23[i].clock.next = self.clock.val();
-            self.base_to_23[i].data.next = self.result.val();
-            self.base.next = self.base_to_23[i].delayed.val();
-        }
-        // Base words that only pass through wait where all do, in the FIFO behind.
-        for i in 0..self.base_mark.count() {
-            self.base_mark[i].clock.next = self.clock.val();
-            self.base_mark[i].data.next = self.marks_to_6.delayed.val().get_bits::<1>(0);
-            self.base_push.next = self.base_mark[i].delayed.val().get_bit(0);
-            self.base.next = self.base_word.val();
+        self.base.next = self.base_to_23.delayed.val();
+        if self.passes_base.val() {
+            self.base_push.next = self.base_mark.q.val();
+            self.base.next = self.base_ring.front.val();
         }
         self.data.next = self.sent.val();
         self.push.next = self.marks_to_23.delayed.val().get_bit(0);

@@ -9,6 +9,7 @@ use rust_hdl::prelude::*;
 /// What a pass must know is looked up before it begins, so that the next begins in the cycle after the last step of the one before;
 /// all that a step reads comes out of registers. While `steal` is high, no step is issued and the current pass is held.
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct Sequencer {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -57,22 +58,29 @@ pub struct Sequencer {
     set_rows: Constant<Row>,
     last_pass: Constant<Bits<6>>,
     // Vectors that wait.
+    #[reset(0)]
     write_slot: DFF<Bits<2>>,
     descriptor_0: DFF<Descriptor>,
     descriptor_1: DFF<Descriptor>,
     descriptor_2: DFF<Descriptor>,
     descriptor_3: DFF<Descriptor>,
+    #[reset(0)]
     waiting: DFF<Bits<3>>,
     // The pass that begins next.
+    #[reset(0)]
     slot: DFF<Bits<2>>,
+    #[reset(0)]
     pass: DFF<Bits<6>>,
+    #[reset(0)]
     pass_row: DFF<Row>,
+    #[reset(false)]
     next_known: DFF<Bit>,
     job: DFF<Descriptor>,
     job_row: DFF<Row>,
     job_slot: DFF<Bits<2>>,
     job_is_last: DFF<Bit>,
     // The step of this cycle.
+    #[reset(false)]
     active: DFF<Bit>,
     linear_q: DFF<Bit>,
     remaining: DFF<Bits<8>>,
@@ -115,37 +123,6 @@ impl Sequencer {
 impl Logic for Sequencer {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            write_slot,
-            descriptor_0,
-            descriptor_1,
-            descriptor_2,
-            descriptor_3,
-            waiting,
-            slot,
-            pass,
-            pass_row,
-            next_known,
-            job,
-            job_row,
-            job_slot,
-            job_is_last,
-            active,
-            linear_q,
-            remaining,
-            at_end,
-            step,
-            first_q,
-            odd_count,
-            empty,
-            set_q,
-            slot_q,
-            base_q,
-            is_last
-        );
-
         // The step of this cycle, and whether a pass begins with the next.
         self.step_valid.next = self.active.q.val() && !self.steal.val();
         self.pass_done.next =
@@ -252,15 +229,5 @@ impl Logic for Sequencer {
         }
         self.read_row.next = (bit_cast::<9, 2>(self.slot_q.q.val()) << 7) | bit_cast::<9, 7>(self.row.val());
         self.read_pixels.next = self.row.val();
-
-        if self.reset.val() {
-            self.write_slot.d.next = 0.into();
-            self.waiting.d.next = 0.into();
-            self.slot.d.next = 0.into();
-            self.pass.d.next = 0.into();
-            self.pass_row.d.next = 0.into();
-            self.next_known.d.next = false;
-            self.active.d.next = false;
-        }
     }
 }

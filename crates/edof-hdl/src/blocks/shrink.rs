@@ -7,6 +7,7 @@ use rust_hdl::prelude::*;
 
 /// The soft threshold of one element, three cycles later: sign(b) max(|b| - theta, 0) where two_sided, else max(b - theta, 0).
 #[derive(Circuit)]
+#[circuit(registers(clock))]
 pub struct Shrink {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -47,20 +48,6 @@ impl Shrink {
 impl Logic for Shrink {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            above_1,
-            below_1,
-            above_2,
-            below_2,
-            is_above,
-            is_below,
-            too_large,
-            result_q,
-            saturated_q
-        );
-
         // Cycle 1: how far it is from both ends of the dead zone.
         self.wide_code.next = bit_cast::<17, 16>(self.code.val());
         if self.code.val().get_bit(15) {

@@ -27,7 +27,7 @@ use rust_hdl::prelude::*;
 /// One stage of the calculator, I, M or F: vectors in, vectors out, two elements a beat; docs/calculator.md has its cycles.
 /// Values are multiplied as they come out of the store; sums are copied, drained, rounded, shrunk and sent on.
 #[derive(Circuit)]
-#[circuit(default(Counters, Delay, Fifo, DenseOperands, Reader), role(_role))]
+#[circuit(default(Counters, Delay, DenseOperands, Reader), role(_role), registers(clock))]
 pub struct Stage {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -80,6 +80,8 @@ pub struct Stage {
     id: Constant<Bits<4>>,
     whole_chain: Constant<Bits<4>>,
     both_ports: Constant<Bit>,
+    /// A linear path: windows come in, too (F).
+    has_linear: Constant<Bit>,
     read_register: Constant<Row>,
     skip_bit: Constant<Bits<32>>,
     reset_parts: Delay<8, 1>,
@@ -95,7 +97,7 @@ pub struct Stage {
     marks_to_groups: DelayOf<11>,
     results: Results,
     fifo: Fifo<34>,
-    base_fifo: Optional<Fifo<32>>,
+    base_fifo: Fifo<32>,
     registers: Registers,
     counters: Counters,
     check: FrameCheck<32>,
@@ -152,14 +154,16 @@ impl Stage {
             pair_operands: Optional::when(!is_dense, || PairOperands::new(stage)),
             vectors: Optional::when(is_dense, || DenseStore::new(stage)),
             dense_operands: Optional::when(is_dense, DenseOperands::default),
-            ring: Optional::when(stage.linear > 0, || WindowRing::new(stage)),
+            has_linear: Constant::new(stage.linear > 0),
+            ring: Optional::when(!is_dense, || WindowRing::new(stage)),
             sequencer: Sequencer::new(stage),
             macc: MaccArray::new(stage, sums, sets),
             drain: Drain::new(stage),
             check: FrameCheck::new(design.patches_per_frame() * stage.beats_out()),
             marks_to_groups: DelayOf::new(stage.groups()),
             results: Results::new(design, stage, sets),
-            base_fifo: Optional::when(stage.shrinks(), || Fifo::new(stage.feeds_m)),
+            fifo: Fifo::new(true),
+            base_fifo: Fifo::new(stage.feeds_m),
             registers: Registers::new(
                 shift_image(stage),
                 sets.map(|n| Shifts::of(n, stage)),
@@ -173,29 +177,12 @@ impl Stage {
 impl Logic for Stage {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            status_q,
-            write_1,
-            address_1,
-            data_1,
-            weights_2,
-            thresholds_2,
-            previous_2,
-            registers_2,
-            command_2,
-            address_2,
-            data_2,
-            snapshot_2,
-            read_2,
-            steal_2
-        );
         self.sequencer.clock.next = self.clock.val();
         self.macc.clock.next = self.clock.val();
         self.drain.clock.next = self.clock.val();
         self.results.clock.next = self.clock.val();
         self.fifo.clock.next = self.clock.val();
+        self.base_fifo.clock.next = self.clock.val();
         self.registers.clock.next = self.clock.val();
         self.counters.clock.next = self.clock.val();
         self.check.clock.next = self.clock.val();
@@ -217,6 +204,7 @@ impl Logic for Stage {
         self.drain.reset.next = self.reset_parts.delayed.val().get_bit(3);
         self.results.reset.next = self.reset_parts.delayed.val().get_bit(4);
         self.fifo.reset.next = self.reset_parts.delayed.val().get_bit(5);
+        self.base_fifo.reset.next = self.reset_parts.delayed.val().get_bit(5);
         self.registers.reset.next = self.reset_registers.delayed.val().get_bit(0);
         self.counters.reset.next = self.reset_registers.delayed.val().get_bit(0);
 
@@ -225,7 +213,6 @@ impl Logic for Stage {
         self.arrived.next = false;
         self.descriptor.next = 0.into();
         for i in 0..self.pairs.count() {
-            self.pair_operands[i].pixels.next = 0.into();
             self.pairs[i].clock.next = self.clock.val();
             self.pairs[i].reset.next = self.reset_parts.delayed.val().get_bit(0);
             self.pairs[i].skip_zeros.next = self.registers.skip_zeros.val();
@@ -266,7 +253,7 @@ impl Logic for Stage {
             self.ring[i].read_pair.next = self.sequencer.read_pixels.val();
             self.ring[i].finished.next = self.sequencer.finished.val();
             self.pair_operands[i].pixels.next = self.ring[i].read_pixels.val();
-            self.window_ready.next = self.ring[i].ready.val();
+            self.window_ready.next = !self.has_linear.val() || self.ring[i].ready.val();
         }
 
         // Multiply.
@@ -362,15 +349,10 @@ impl Logic for Stage {
         self.out_data.next = self.fifo.front_data.val().get_bits::<32>(2);
         self.out_last.next = self.fifo.front_data.val().get_bit(0);
         self.out_set.next = self.fifo.front_data.val().get_bit(1);
-        self.out_base.next = 0.into();
-        for i in 0..self.base_fifo.count() {
-            self.base_fifo[i].clock.next = self.clock.val();
-            self.base_fifo[i].reset.next = self.reset_parts.delayed.val().get_bit(5);
-            self.base_fifo[i].push.next = self.results.base_push.val();
-            self.base_fifo[i].data.next = self.results.base.val();
-            self.base_fifo[i].front_ready.next = self.fifo.front_valid.val() && self.out_ready.val();
-            self.out_base.next = self.base_fifo[i].front_data.val();
-        }
+        self.base_fifo.push.next = self.results.base_push.val();
+        self.base_fifo.data.next = self.results.base.val();
+        self.base_fifo.front_ready.next = self.fifo.front_valid.val() && self.out_ready.val();
+        self.out_base.next = self.base_fifo.front_data.val();
         self.counters.enable.next = self.results.push.val();
         self.counters.nonzero.next = self.results.nonzero.val();
         self.counters.results.next = self.results.result_saturated.val();

@@ -10,7 +10,7 @@ use rust_hdl::prelude::*;
 /// beats are discarded. Both kinds are counted, and the beat after `last` is the first of the next window. A correct window passes
 /// within the cycle.
 #[derive(Circuit)]
-#[circuit(default(Counter))]
+#[circuit(default(Counter), registers(clock, reset))]
 pub struct WindowGuard {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -47,13 +47,19 @@ pub struct WindowGuard {
     /// Windows that were too long.
     pub too_long: Signal<Out, Bits<32>>,
     before_last: Constant<Bits<7>>,
+    #[reset(0)]
     beat: DFF<Bits<7>>,
+    #[reset(false)]
     at_end: DFF<Bit>,
+    #[reset(false)]
     fill: DFF<Bit>,
+    #[reset(false)]
     drop: DFF<Bit>,
     set_q: DFF<Bit>,
     fault_q: DFF<Bit>,
+    #[reset(false)]
     short_q: DFF<Bit>,
+    #[reset(false)]
     long_q: DFF<Bit>,
     count_short: Counter,
     count_long: Counter,
@@ -75,7 +81,6 @@ impl WindowGuard {
 impl Logic for WindowGuard {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, beat, at_end, fill, drop, set_q, fault_q, short_q, long_q);
         self.count_short.clock.next = self.clock.val();
         self.count_long.clock.next = self.clock.val();
 
@@ -126,14 +131,6 @@ impl Logic for WindowGuard {
         self.too_long.next = self.count_long.count.val();
         self.fault.next = self.fault_q.q.val();
 
-        if self.reset.val() {
-            self.beat.d.next = 0.into();
-            self.at_end.d.next = false;
-            self.fill.d.next = false;
-            self.drop.d.next = false;
-            self.short_q.d.next = false;
-            self.long_q.d.next = false;
-        }
         if self.reset_counters.val() || self.snapshot.val() {
             self.fault_q.d.next = false;
         }

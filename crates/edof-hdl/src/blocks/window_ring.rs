@@ -9,6 +9,7 @@ use rust_hdl::prelude::*;
 /// Windows that wait for F's linear path: a ring of whole windows in block RAM, each from a power of two of rows on.
 /// Ready while there is room for one more. Two pixels are read two cycles after read_pair, from the oldest window.
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct WindowRing {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -32,13 +33,19 @@ pub struct WindowRing {
     large: Constant<Bit>,
     last_window: Constant<Bits<5>>,
     max_windows: Constant<Bits<6>>,
+    #[reset(false)]
     write_q: DFF<Bit>,
     pixels_q: DFF<Pair>,
     last_q: DFF<Bit>,
+    #[reset(0)]
     write_beat: DFF<Bits<7>>,
+    #[reset(0)]
     write_window: DFF<Bits<5>>,
+    #[reset(0)]
     oldest: DFF<Bits<5>>,
+    #[reset(0)]
     held: DFF<Bits<6>>,
+    #[reset(false)]
     ready_q: DFF<Bit>,
     accept: Signal<Local, Bit>,
     arrived: Signal<Local, Bit>,
@@ -46,7 +53,7 @@ pub struct WindowRing {
 }
 
 impl WindowRing {
-    /// The ring of an F stage with a linear path.
+    /// The ring of a stage; it has no memory where there is no linear path.
     #[must_use]
     pub fn new(stage: &StagePlan) -> Self {
         let rows = (stage.linear / BEAT).next_power_of_two();
@@ -54,7 +61,7 @@ impl WindowRing {
         Self::from_parts(WindowRingParts {
             ram: Ram::new(Shape::registered(rows * windows), &[]),
             large: Constant::new(rows > SMALL_ROWS),
-            last_window: Constant::new((windows as u64 - 1).into()),
+            last_window: Constant::new((windows as u64).saturating_sub(1).into()),
             max_windows: Constant::new((windows as u64).into()),
         })
     }
@@ -66,7 +73,6 @@ const SMALL_ROWS: usize = 32;
 impl Logic for WindowRing {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, write_q, pixels_q, last_q, write_beat, write_window, oldest, held, ready_q);
         self.ram.clock.next = self.clock.val();
 
         self.ready.next = self.ready_q.q.val();
@@ -107,14 +113,6 @@ impl Logic for WindowRing {
         }
         if self.finished.val() {
             self.oldest.d.next = (self.oldest.q.val() + 1) & self.last_window.val();
-        }
-        if self.reset.val() {
-            self.write_q.d.next = false;
-            self.write_beat.d.next = 0.into();
-            self.write_window.d.next = 0.into();
-            self.oldest.d.next = 0.into();
-            self.held.d.next = 0.into();
-            self.ready_q.d.next = false;
         }
     }
 }

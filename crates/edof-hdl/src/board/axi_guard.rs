@@ -11,6 +11,7 @@ use rust_hdl::prelude::*;
 /// in registers until the memory takes them, so a word is offered whether or not its address was accepted. Latency one cycle for addresses
 /// and words that are written, none for answers and words that are read. The words of a burst end before the next address is taken.
 #[derive(Circuit)]
+#[circuit(registers(clock, memory_reset))]
 pub struct AxiGuard<const W: usize, const S: usize> {
     /// Clock, the memory's.
     pub clock: Signal<In, Clock>,
@@ -27,17 +28,21 @@ pub struct AxiGuard<const W: usize, const S: usize> {
     /// Reads from the memory.
     pub dram_read: AxiReadMaster<W>,
     // After a reset, until nothing is in flight.
+    #[reset(true)]
     closed: DFF<Bit>,
+    #[reset(false)]
     aw_valid: DFF<Bit>,
     aw_id: DFF<Bits<1>>,
     aw_addr: DFF<Bits<32>>,
     aw_len: DFF<Bits<8>>,
     aw_size: DFF<Bits<3>>,
     aw_burst: DFF<Bits<2>>,
+    #[reset(false)]
     w_valid: DFF<Bit>,
     w_data: DFF<Bits<W>>,
     w_strb: DFF<Bits<S>>,
     w_last: DFF<Bit>,
+    #[reset(false)]
     ar_valid: DFF<Bit>,
     ar_id: DFF<Bits<1>>,
     ar_addr: DFF<Bits<32>>,
@@ -45,10 +50,13 @@ pub struct AxiGuard<const W: usize, const S: usize> {
     ar_size: DFF<Bits<3>>,
     ar_burst: DFF<Bits<2>>,
     // A burst whose words have not all come, and how many are to come after the next one.
+    #[reset(false)]
     open: DFF<Bit>,
     remaining: DFF<Bits<8>>,
     // Bursts that are not answered, as the place of a single bit.
+    #[reset(1)]
     writes: DFF<Bits<32>>,
+    #[reset(1)]
     reads: DFF<Bits<32>>,
     push_address: Signal<Local, Bit>,
     advance: Signal<Local, Bit>,
@@ -62,12 +70,6 @@ pub struct AxiGuard<const W: usize, const S: usize> {
 impl<const W: usize, const S: usize> Logic for AxiGuard<W, S> {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self, clock, closed, aw_valid, aw_id, aw_addr, aw_len, aw_size, aw_burst, w_valid, w_data,
-            w_strb, w_last, ar_valid, ar_id, ar_addr, ar_len, ar_size, ar_burst, open, remaining, writes,
-            reads
-        );
-
         // Addresses of writes.
         self.write.aw_ready.next = !self.closed.q.val()
             && !self.aw_valid.q.val()
@@ -165,15 +167,6 @@ impl<const W: usize, const S: usize> Logic for AxiGuard<W, S> {
         }
         if self.reset.val() {
             self.closed.d.next = true;
-        }
-        if self.memory_reset.val() {
-            self.closed.d.next = true;
-            self.aw_valid.d.next = false;
-            self.w_valid.d.next = false;
-            self.ar_valid.d.next = false;
-            self.open.d.next = false;
-            self.writes.d.next = 1.into();
-            self.reads.d.next = 1.into();
         }
 
         self.dram_write.aw_id.next = self.aw_id.q.val();

@@ -10,7 +10,7 @@ use rust_hdl::prelude::*;
 /// At the memory's port stands an [`AxiGuard`], which completes what is in flight when the pair and its agents are reset. A turn takes a
 /// cycle, the guard another. A writer's words pass before the next writer's address is taken.
 #[derive(Circuit)]
-#[circuit(default(AxiGuard))]
+#[circuit(default(AxiGuard), registers(clock, reset))]
 pub struct AxiPair<const W: usize, const S: usize> {
     /// Clock, the memory's.
     pub clock: Signal<In, Clock>,
@@ -31,7 +31,9 @@ pub struct AxiPair<const W: usize, const S: usize> {
     /// Reads from the memory.
     pub dram_read: AxiReadMaster<W>,
     guard: AxiGuard<W, S>,
+    #[reset(false)]
     write_turn: DFF<Bit>,
+    #[reset(false)]
     read_turn: DFF<Bit>,
     // Whose address was taken last: the words are that writer's.
     owner: DFF<Bit>,
@@ -42,7 +44,6 @@ pub struct AxiPair<const W: usize, const S: usize> {
 impl<const W: usize, const S: usize> Logic for AxiPair<W, S> {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, write_turn, read_turn, owner);
         self.guard.clock.next = self.clock.val();
         self.guard.reset.next = self.reset.val();
         self.guard.memory_reset.next = self.memory_reset.val();
@@ -150,11 +151,6 @@ impl<const W: usize, const S: usize> Logic for AxiPair<W, S> {
         self.guard.read.r_ready.next = self.read_0.r_ready.val();
         if self.guard.read.r_id.val() == 1 {
             self.guard.read.r_ready.next = self.read_1.r_ready.val();
-        }
-
-        if self.reset.val() {
-            self.write_turn.d.next = false;
-            self.read_turn.d.next = false;
         }
     }
 }

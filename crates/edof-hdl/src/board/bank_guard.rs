@@ -8,6 +8,7 @@ use rust_hdl::prelude::*;
 /// Whether a word for the calculator belongs to the bank in use (`edof_device::design::memory::set_of`). An address stands for two cycles or
 /// more; the answer is there two cycles after it came.
 #[derive(Circuit)]
+#[circuit(registers(clock))]
 pub struct BankGuard {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -47,7 +48,6 @@ impl BankGuard {
 impl Logic for BankGuard {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, rows, known, hits_q);
         self.known.d.next = false;
         self.rows.d.next = 1.into();
         for i in 0..self._count {

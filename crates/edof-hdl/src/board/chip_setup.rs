@@ -46,6 +46,7 @@ enum Phase {
 /// every millisecond of a wait, the host's access is carried out: a number in its bits 28 to 31 that was not there before, with the bit of this
 /// bus in bit 25. The program's own transfers are at most 4.7 ms each ([`I2cMaster`]).
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct ChipSetup {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -84,8 +85,11 @@ pub struct ChipSetup {
     numbers: [Constant<Bits<4>>; 15],
     program: Ram<32>,
     master: I2cMaster,
+    #[reset(Phase::Fetch)]
     phase: DFF<Phase>,
+    #[reset(0)]
     settle_count: DFF<Bits<2>>,
+    #[reset(0)]
     entry: DFF<Bits<10>>,
     // The entries around it, known before they are chosen from.
     next_entry: DFF<Bits<10>>,
@@ -96,30 +100,41 @@ pub struct ChipSetup {
     is_kind: [DFF<Bit>; 15],
     accumulator: DFF<Bits<8>>,
     index: DFF<Bits<8>>,
+    #[reset(0)]
     try_count: DFF<Bits<8>>,
     spent: DFF<Bit>,
     matches: DFF<Bit>,
     has_more: DFF<Bit>,
     file: [DFF<Bits<8>>; 12],
     loaded: DFF<Bits<8>>,
+    #[reset(0)]
     attempt: DFF<Bits<4>>,
+    #[reset(0)]
     retries: DFF<Bits<10>>,
     milliseconds: DFF<Bits<16>>,
     wait_cycle: DFF<Bits<24>>,
     tick: DFF<Bit>,
     stall: DFF<Bit>,
     advance: DFF<Bit>,
+    #[reset(0)]
     device: DFF<Bits<7>>,
     cause: DFF<Bits<3>>,
+    #[reset(false)]
     done_q: DFF<Bit>,
+    #[reset(false)]
     failed_q: DFF<Bit>,
     failure: DFF<Bits<20>>,
     word_q: DFF<Bits<32>>,
+    #[reset(true)]
     restart_q: DFF<Bit>,
+    #[reset(false)]
     restart_pending: DFF<Bit>,
+    #[reset(0)]
     sequence: DFF<Bits<4>>,
+    #[reset(0)]
     access_q: DFF<Bits<32>>,
     access_pending: DFF<Bit>,
+    #[reset(0)]
     answer_q: DFF<Bits<32>>,
     kind: Signal<Local, Bits<4>>,
     first: Signal<Local, Bits<8>>,
@@ -160,43 +175,6 @@ impl ChipSetup {
 impl Logic for ChipSetup {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            phase,
-            settle_count,
-            entry,
-            next_entry,
-            beyond,
-            previous,
-            instruction,
-            accumulator,
-            index,
-            try_count,
-            spent,
-            matches,
-            has_more,
-            loaded,
-            attempt,
-            retries,
-            milliseconds,
-            wait_cycle,
-            tick,
-            stall,
-            advance,
-            device,
-            cause,
-            done_q,
-            failed_q,
-            failure,
-            word_q,
-            restart_q,
-            restart_pending,
-            sequence,
-            access_q,
-            access_pending,
-            answer_q
-        );
         for i in 0..12 {
             self.file[i].clock.next = self.clock.val();
             self.file[i].d.next = self.file[i].q.val();
@@ -470,22 +448,6 @@ impl Logic for ChipSetup {
             for i in 0..12 {
                 self.file[i].d.next = 0.into();
             }
-        }
-        if self.reset.val() {
-            self.phase.d.next = Phase::Fetch;
-            self.settle_count.d.next = 0.into();
-            self.entry.d.next = 0.into();
-            self.attempt.d.next = 0.into();
-            self.try_count.d.next = 0.into();
-            self.retries.d.next = 0.into();
-            self.device.d.next = 0.into();
-            self.done_q.d.next = false;
-            self.failed_q.d.next = false;
-            self.restart_pending.d.next = false;
-            self.restart_q.d.next = true;
-            self.sequence.d.next = 0.into();
-            self.access_q.d.next = 0.into();
-            self.answer_q.d.next = 0.into();
         }
 
         // What the host reads.

@@ -34,7 +34,10 @@ use rust_hdl::prelude::*;
 /// memory has one AXI4 port, the host one of AXI4-Lite (`edof_device::registers`), both in the memory's clock. Nothing here knows of a vendor
 /// or a board.
 #[derive(Circuit)]
-#[circuit(default(ResetSync, BusSync, Sync, AxiPair, PowerOn, CalculatorPort, PictureWindow, CycleCount))]
+#[circuit(
+    default(ResetSync, BusSync, Sync, AxiPair, PowerOn, CalculatorPort, PictureWindow, CycleCount),
+    registers(clock)
+)]
 pub struct EdofCore {
     /// Clock of memory and host.
     pub clock: Signal<In, Clock>,
@@ -200,18 +203,6 @@ impl EdofCore {
 impl Logic for EdofCore {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            realign,
-            restart_screen,
-            restart_calculator,
-            flush_request,
-            power_up,
-            calculator_lost_q,
-            is_down,
-            snapshot
-        );
         // Clocks and resets.
         self.cycles[0].clock.next = self.clock.val();
         self.cycles[0].reset.next = self.resets[1].domain_reset.val();

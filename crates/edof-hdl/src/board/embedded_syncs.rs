@@ -9,6 +9,7 @@ use rust_hdl::prelude::*;
 /// Latency five cycles. Only Y is looked at. Codes are counted: those that are whole on both bytes, with their parity; and the words that
 /// spoil one: 0 or 255 on either byte outside of a whole code, and a line that begins or ends twice.
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct EmbeddedSyncs {
     /// Clock of the bus.
     pub clock: Signal<In, Clock>,
@@ -32,18 +33,27 @@ pub struct EmbeddedSyncs {
     third: DFF<Bits<16>>,
     second: DFF<Bits<16>>,
     first: DFF<Bits<16>>,
+    #[reset(0)]
     pause: DFF<Bits<3>>,
+    #[reset(false)]
     line: DFF<Bit>,
+    #[reset(false)]
     hs_q: DFF<Bit>,
+    #[reset(false)]
     vs_q: DFF<Bit>,
+    #[reset(false)]
     de_q: DFF<Bit>,
     pixel_q: DFF<Bits<16>>,
     // What each of four words is: 255 on both bytes, 0 on both, either on one; a code; the end of a line.
     kinds: [DFF<Bits<5>>; 4],
+    #[reset(3)]
     inside: DFF<Bits<2>>,
     ended: DFF<Bit>,
+    #[reset(false)]
     is_known: DFF<Bit>,
+    #[reset(0)]
     codes_q: DFF<Bits<32>>,
+    #[reset(0)]
     malformed_q: DFF<Bits<32>>,
     found: Signal<Local, Bit>,
     kind: Signal<Local, Bits<5>>,
@@ -54,25 +64,6 @@ pub struct EmbeddedSyncs {
 impl Logic for EmbeddedSyncs {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            code,
-            third,
-            second,
-            first,
-            pause,
-            line,
-            hs_q,
-            vs_q,
-            de_q,
-            pixel_q,
-            inside,
-            ended,
-            is_known,
-            codes_q,
-            malformed_q
-        );
         self.code.d.next = self.data.val();
         self.third.d.next = self.code.q.val();
         self.second.d.next = self.third.q.val();
@@ -150,17 +141,6 @@ impl Logic for EmbeddedSyncs {
         }
         self.codes.next = self.codes_q.q.val();
         self.malformed.next = self.malformed_q.q.val();
-        if self.reset.val() {
-            self.inside.d.next = 3.into();
-            self.is_known.d.next = false;
-            self.codes_q.d.next = 0.into();
-            self.malformed_q.d.next = 0.into();
-            self.line.d.next = false;
-            self.pause.d.next = 0.into();
-            self.hs_q.d.next = false;
-            self.vs_q.d.next = false;
-            self.de_q.d.next = false;
-        }
         self.hs.next = self.hs_q.q.val();
         self.vs.next = self.vs_q.q.val();
         self.de.next = self.de_q.q.val();

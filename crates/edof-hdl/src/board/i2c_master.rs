@@ -48,7 +48,7 @@ enum Byte {
 /// freed by nine clocks and a stop; a line that stays low ends the transfer with its cause. Lines are driven low or left alone, and are left
 /// alone when a transfer has ended, which takes at most 4.7 ms: 0.7 ms of clocks, 4 ms for which chips may hold the clock line.
 #[derive(Circuit)]
-#[circuit(default(Sync))]
+#[circuit(default(Sync), registers(clock, reset))]
 pub struct I2cMaster {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -87,6 +87,7 @@ pub struct I2cMaster {
     lines: Sync<2>,
     // Stands long before a bit needs it: what chooses a transfer is no part of the path to the phase.
     reads: DFF<Bit>,
+    #[reset(Phase::Idle)]
     phase: DFF<Phase>,
     byte: DFF<Byte>,
     cycle: DFF<Bits<16>>,
@@ -95,11 +96,14 @@ pub struct I2cMaster {
     bit_number: DFF<Bits<4>>,
     shift: DFF<Bits<8>>,
     held_cycles: DFF<Bits<24>>,
+    #[reset(false)]
     timed_out: DFF<Bit>,
     cleared: DFF<Bit>,
     is_clearing: DFF<Bit>,
     cause_q: DFF<Bits<3>>,
+    #[reset(false)]
     scl_low_q: DFF<Bit>,
+    #[reset(false)]
     sda_low_q: DFF<Bit>,
     levels: Signal<Local, Bits<2>>,
     held: Signal<Local, Bit>,
@@ -123,25 +127,6 @@ impl I2cMaster {
 impl Logic for I2cMaster {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            reads,
-            phase,
-            byte,
-            cycle,
-            steps_q,
-            part,
-            bit_number,
-            shift,
-            held_cycles,
-            timed_out,
-            cleared,
-            is_clearing,
-            cause_q,
-            scl_low_q,
-            sda_low_q
-        );
         self.lines.clock.next = self.clock.val();
         self.reads.d.next = self.read.val();
         self.levels.next = 0.into();
@@ -346,12 +331,6 @@ impl Logic for I2cMaster {
             self.sda_low_q.d.next = false;
             self.cause_q.d.next = 4.into();
             self.phase.d.next = Phase::Done;
-        }
-        if self.reset.val() {
-            self.phase.d.next = Phase::Idle;
-            self.scl_low_q.d.next = false;
-            self.sda_low_q.d.next = false;
-            self.timed_out.d.next = false;
         }
 
         self.scl_low.next = self.scl_low_q.q.val();

@@ -15,7 +15,7 @@ use rust_hdl::prelude::*;
 /// The core with what the KC705 has around it: a serial line to the host, two buses of video chips to be set up, and an HDMI receiver
 /// whose syncs come inside of the pixels. Buffers, DRAM controller and clocks are `kc705_top`'s.
 #[derive(Circuit)]
-#[circuit(default(EmbeddedSyncs, ResetSync))]
+#[circuit(default(EmbeddedSyncs, ResetSync), registers(clock))]
 pub struct Kc705Core {
     /// Clock of memory and host: 200 MHz.
     pub clock: Signal<In, Clock>,
@@ -157,7 +157,6 @@ impl Logic for Kc705Core {
             self.core.chip_answer.next = self.chips[1].answer.val();
         }
 
-        dff_setup!(self, clock, blink);
         self.blink.d.next = self.blink.q.val() + 1;
         self.led_levels.next = self.core.status.val().get_bits::<7>(0) & 0x3f;
         if self.chips[1].slots[0].val().get_bit(8) && self.blink.q.val().get_bit(26) {

@@ -12,6 +12,7 @@ use rust_hdl::prelude::*;
 /// `select` 0 hands the source's pixels on without a register. Anything else throws them away; the pattern begins with a frame's first pixel
 /// in the cycle after `select` changed from 0, and stops in the cycle after it changed back.
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct PatternSource {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -33,6 +34,7 @@ pub struct PatternSource {
     ramp_row: Constant<Bits<16>>,
     seed: Constant<Bits<32>>,
     mask: Constant<Bits<16>>,
+    #[reset(0)]
     kind: DFF<Bits<3>>,
     pause: DFF<Bits<2>>,
     column: DFF<Bits<13>>,
@@ -71,7 +73,6 @@ impl PatternSource {
 impl Logic for PatternSource {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, kind, pause, column, row, line_ramp, ramp, noise, valid, word, first, last);
         self.kind.d.next = self.select.val();
         self.on.next = self.kind.q.val().any();
 
@@ -145,9 +146,6 @@ impl Logic for PatternSource {
             self.ramp.d.next = 0.into();
             self.line_ramp.d.next = self.ramp_row.val();
             self.noise.d.next = self.seed.val();
-        }
-        if self.reset.val() {
-            self.kind.d.next = 0.into();
         }
 
         self.source.ready.next = self.pixels.ready.val() || self.on.val();

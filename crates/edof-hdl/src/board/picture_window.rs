@@ -9,6 +9,7 @@ use rust_hdl::prelude::*;
 /// A square of 64 × 64 raw pixels that the host writes and a pattern repeats, and a square of as many codes of every picture, which the host
 /// reads. It only looks: nothing waits for it.
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct PictureWindow {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -40,14 +41,19 @@ pub struct PictureWindow {
     pub read_data: Signal<Out, Bits<16>>,
     tile: Ram<16>,
     picture_words: Ram<16>,
+    #[reset(false)]
     valid_1: DFF<Bit>,
     data_1: DFF<Bits<16>>,
+    #[reset(0)]
     column: DFF<Bits<13>>,
+    #[reset(0)]
     row: DFF<Bits<13>>,
+    #[reset(false)]
     valid_2: DFF<Bit>,
     data_2: DFF<Bits<16>>,
     column_offset: DFF<Bits<13>>,
     row_offset: DFF<Bits<13>>,
+    #[reset(false)]
     ends: DFF<Bit>,
 }
 
@@ -72,19 +78,6 @@ impl Default for PictureWindow {
 impl Logic for PictureWindow {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            valid_1,
-            data_1,
-            column,
-            row,
-            valid_2,
-            data_2,
-            column_offset,
-            row_offset,
-            ends
-        );
         self.tile.clock.next = self.clock.val();
         self.tile.read_address.next = self.tile_address.val();
         self.tile_pixel.next = self.tile.read_data.val();
@@ -122,13 +115,5 @@ impl Logic for PictureWindow {
         self.picture_words.write_data.next = self.data_2.q.val();
         self.picture_words.read_address.next = self.read_address.val();
         self.read_data.next = self.picture_words.read_data.val();
-
-        if self.reset.val() {
-            self.valid_1.d.next = false;
-            self.valid_2.d.next = false;
-            self.ends.d.next = false;
-            self.column.d.next = 0.into();
-            self.row.d.next = 0.into();
-        }
     }
 }

@@ -15,6 +15,7 @@ use rust_hdl::prelude::*;
 /// words, so that the memory never waits. A pixel a cycle, as long as the memory keeps up. From a word on that came with an error the frame
 /// is black.
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct ReadAgent<const W: usize> {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -51,38 +52,62 @@ pub struct ReadAgent<const W: usize> {
     base_1: Constant<Bits<32>>,
     base_2: Constant<Bits<32>>,
     black: Constant<Bits<16>>,
+    #[reset(false)]
     busy: DFF<Bit>,
+    #[reset(3)]
     reading_q: DFF<Buffer>,
     // Words of this frame that are still to be asked for: any, and fewer than a burst, a cycle later.
+    #[reset(0)]
     remaining: DFF<Bits<24>>,
+    #[reset(false)]
     any_remaining: DFF<Bit>,
     is_last_burst: DFF<Bit>,
+    #[reset(false)]
     request: DFF<Bit>,
     // A burst was just accepted: what depends on it follows.
+    #[reset(false)]
     settle: DFF<Bit>,
     address: DFF<Bits<32>>,
     request_address: DFF<Bits<32>>,
     request_words: DFF<Row>,
     // Words: asked for, come, taken out of the RAM (and the one after). How many are asked for and not taken, two cycles later.
+    #[reset(0)]
     reserved: DFF<Row>,
+    #[reset(0)]
     held: DFF<Row>,
+    #[reset(false)]
     has_space: DFF<Bit>,
+    #[reset(0)]
     write_ptr: DFF<Row>,
+    #[reset(0)]
     read_ptr: DFF<Row>,
+    #[reset(1)]
     read_ptr_next: DFF<Row>,
+    #[reset(0)]
     received: DFF<Row>,
+    #[reset(false)]
     has_word: DFF<Bit>,
+    #[reset(false)]
     full: DFF<Bit>,
+    #[reset(false)]
     is_last_lane: DFF<Bit>,
     word: DFF<Bits<W>>,
     // A word of this frame came with an error; the first is in `word`, or was.
+    #[reset(false)]
     black_on: DFF<Bit>,
+    #[reset(false)]
     corrupted_q: DFF<Bit>,
+    #[reset(0)]
     lane: DFF<Bits<6>>,
+    #[reset(0)]
     column: DFF<Bits<12>>,
+    #[reset(0)]
     row: DFF<Bits<12>>,
+    #[reset(0)]
     frames_q: DFF<Bits<32>>,
+    #[reset(0)]
     late_q: DFF<Bits<32>>,
+    #[reset(0)]
     errors_q: DFF<Bits<32>>,
     ram: Ram<W>,
     marks: Ram<1>,
@@ -130,39 +155,6 @@ impl<const W: usize> ReadAgent<W> {
 impl<const W: usize> Logic for ReadAgent<W> {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            busy,
-            reading_q,
-            remaining,
-            any_remaining,
-            is_last_burst,
-            request,
-            settle,
-            address,
-            request_address,
-            request_words,
-            reserved,
-            held,
-            has_space,
-            write_ptr,
-            read_ptr,
-            read_ptr_next,
-            received,
-            has_word,
-            full,
-            is_last_lane,
-            word,
-            black_on,
-            corrupted_q,
-            lane,
-            column,
-            row,
-            frames_q,
-            late_q,
-            errors_q
-        );
         self.ram.clock.next = self.clock.val();
         self.marks.clock.next = self.clock.val();
 
@@ -271,32 +263,6 @@ impl<const W: usize> Logic for ReadAgent<W> {
                     self.black_on.d.next = false;
                 }
             }
-        }
-        if self.reset.val() {
-            self.busy.d.next = false;
-            self.reading_q.d.next = 3.into();
-            self.remaining.d.next = 0.into();
-            self.any_remaining.d.next = false;
-            self.request.d.next = false;
-            self.settle.d.next = false;
-            self.reserved.d.next = 0.into();
-            self.held.d.next = 0.into();
-            self.has_space.d.next = false;
-            self.write_ptr.d.next = 0.into();
-            self.read_ptr.d.next = 0.into();
-            self.read_ptr_next.d.next = 1.into();
-            self.received.d.next = 0.into();
-            self.has_word.d.next = false;
-            self.full.d.next = false;
-            self.is_last_lane.d.next = false;
-            self.lane.d.next = 0.into();
-            self.column.d.next = 0.into();
-            self.row.d.next = 0.into();
-            self.frames_q.d.next = 0.into();
-            self.late_q.d.next = 0.into();
-            self.errors_q.d.next = 0.into();
-            self.black_on.d.next = false;
-            self.corrupted_q.d.next = false;
         }
 
         self.dram.ar_id.next = 0.into();

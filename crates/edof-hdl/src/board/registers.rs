@@ -36,6 +36,7 @@ enum Phase {
 /// that mean nothing read 0 and cannot be written. An address where nothing is, a part of a word, a read of what can only be written, and a
 /// word that `protection` keeps out are answered with an error (2); the last are counted.
 #[derive(Circuit)]
+#[circuit(registers(clock))]
 pub struct BoardRegisters {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -262,26 +263,6 @@ impl BoardRegisters {
 impl Logic for BoardRegisters {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            phase,
-            address,
-            word,
-            is_bad,
-            found_any,
-            is_stage,
-            result,
-            is_checked,
-            reject,
-            rejected_words,
-            unchecked,
-            at_tables,
-            at_weights,
-            at_tile,
-            is_picture,
-            is_waiting
-        );
         for i in 0..8 {
             self.controls[i].clock.next = self.clock.val();
             self.controls[i].d.next = self.controls[i].q.val();

@@ -37,6 +37,7 @@ enum Phase {
 /// longer than the time-out is dropped, and the next byte is a command. If a frame continues before its word is written, the rest of the
 /// frame is skipped, up to a pause of the time-out.
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct UartBus {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -53,6 +54,7 @@ pub struct UartBus {
     time_out: Constant<Bits<32>>,
     receiver: UartReceiver,
     sender: UartSender,
+    #[reset(Phase::Command)]
     phase: DFF<Phase>,
     writes: DFF<Bit>,
     is_fixed: DFF<Bit>,
@@ -60,10 +62,14 @@ pub struct UartBus {
     address: DFF<Bits<32>>,
     word: DFF<Bits<32>>,
     byte_number: DFF<Bits<2>>,
+    #[reset(0)]
     pause: DFF<Bits<32>>,
+    #[reset(false)]
     address_valid: DFF<Bit>,
+    #[reset(false)]
     word_valid: DFF<Bit>,
     is_late: DFF<Bit>,
+    #[reset(0)]
     broken_q: DFF<Bits<32>>,
     has_byte: Signal<Local, Bit>,
     byte: Signal<Local, Bits<8>>,
@@ -87,22 +93,6 @@ impl UartBus {
 impl Logic for UartBus {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            phase,
-            writes,
-            is_fixed,
-            remaining,
-            address,
-            word,
-            byte_number,
-            pause,
-            address_valid,
-            word_valid,
-            is_late,
-            broken_q
-        );
         self.receiver.clock.next = self.clock.val();
         self.receiver.reset.next = self.reset.val();
         self.receiver.line.next = self.receive.val();
@@ -226,13 +216,6 @@ impl Logic for UartBus {
             if self.phase.q.val() != Phase::Skip {
                 self.broken_q.d.next = self.broken_q.q.val() + 1;
             }
-        }
-        if self.reset.val() {
-            self.phase.d.next = Phase::Command;
-            self.pause.d.next = 0.into();
-            self.address_valid.d.next = false;
-            self.word_valid.d.next = false;
-            self.broken_q.d.next = 0.into();
         }
 
         self.sender.byte.next = self.word.q.val().get_bits::<8>(24);

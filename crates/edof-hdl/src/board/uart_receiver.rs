@@ -8,7 +8,7 @@ use rust_hdl::prelude::*;
 ///
 /// Each bit is looked at in its middle. A byte whose start or stop bit is wrong is dropped.
 #[derive(Circuit)]
-#[circuit(default(Sync))]
+#[circuit(default(Sync), registers(clock, reset))]
 pub struct UartReceiver {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -23,10 +23,12 @@ pub struct UartReceiver {
     last_cycle: Constant<Bits<16>>,
     half: Constant<Bits<16>>,
     sync: Sync<1>,
+    #[reset(false)]
     busy: DFF<Bit>,
     cycle: DFF<Bits<16>>,
     bit_number: DFF<Bits<4>>,
     shift: DFF<Bits<8>>,
+    #[reset(false)]
     done: DFF<Bit>,
     level: Signal<Local, Bit>,
     from_line: Signal<Local, Bits<1>>,
@@ -46,7 +48,6 @@ impl UartReceiver {
 impl Logic for UartReceiver {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, busy, cycle, bit_number, shift, done);
         self.sync.clock.next = self.clock.val();
         self.from_line.next = 0.into();
         if self.line.val() {
@@ -80,10 +81,6 @@ impl Logic for UartReceiver {
                     }
                 }
             }
-        }
-        if self.reset.val() {
-            self.busy.d.next = false;
-            self.done.d.next = false;
         }
         self.valid.next = self.done.q.val();
         self.byte.next = self.shift.q.val();

@@ -5,6 +5,7 @@ use rust_hdl::prelude::*;
 
 /// Bytes to a serial line: eight bits, the least significant first, no parity, one stop bit.
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct UartSender {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -19,10 +20,12 @@ pub struct UartSender {
     /// The line.
     pub line: Signal<Out, Bit>,
     last_cycle: Constant<Bits<16>>,
+    #[reset(false)]
     busy: DFF<Bit>,
     cycle: DFF<Bits<16>>,
     bit_number: DFF<Bits<4>>,
     shift: DFF<Bits<9>>,
+    #[reset(true)]
     line_q: DFF<Bit>,
 }
 
@@ -38,7 +41,6 @@ impl UartSender {
 impl Logic for UartSender {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, busy, cycle, bit_number, shift, line_q);
         if !self.busy.q.val() {
             self.line_q.d.next = true;
             self.cycle.d.next = 0.into();
@@ -60,10 +62,6 @@ impl Logic for UartSender {
                     self.busy.d.next = false;
                 }
             }
-        }
-        if self.reset.val() {
-            self.busy.d.next = false;
-            self.line_q.d.next = true;
         }
         self.ready.next = !self.busy.q.val();
         self.line.next = self.line_q.q.val();

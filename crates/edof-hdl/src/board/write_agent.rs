@@ -30,6 +30,7 @@ enum Phase {
 /// the frame before the last; otherwise it is counted as broken and its buffer used again. After a frame the stream waits until all answers have come. A pixel a cycle otherwise, as long
 /// as the memory keeps up.
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct WriteAgent<const W: usize, const S: usize> {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -67,6 +68,7 @@ pub struct WriteAgent<const W: usize, const S: usize> {
     base_1: Constant<Bits<32>>,
     base_2: Constant<Bits<32>>,
     max_outstanding: Constant<Bits<4>>,
+    #[reset(Phase::Between)]
     phase: DFF<Phase>,
     column: DFF<Bits<12>>,
     row: DFF<Bits<12>>,
@@ -83,25 +85,34 @@ pub struct WriteAgent<const W: usize, const S: usize> {
     has_space: DFF<Bit>,
     waiting: DFF<Row>,
     has_word: DFF<Bit>,
+    #[reset(false)]
     push: DFF<Bit>,
     push_row: DFF<Row>,
+    #[reset(false)]
     request: DFF<Bit>,
     // All pixels had come by the cycle before.
     is_whole: DFF<Bit>,
     address: DFF<Bits<32>>,
     request_address: DFF<Bits<32>>,
     request_words: DFF<Row>,
+    #[reset(false)]
     word_valid: DFF<Bit>,
     sent_word: DFF<Bits<W>>,
     sent_last: DFF<Bit>,
+    #[reset(0)]
     outstanding: DFF<Bits<4>>,
     failed: DFF<Bit>,
     // Frames that are to be held back.
+    #[reset(0)]
     suspect_frames: DFF<Bits<2>>,
     target: DFF<Buffer>,
+    #[reset(3)]
     newest_q: DFF<Buffer>,
+    #[reset(0)]
     frames_q: DFF<Bits<32>>,
+    #[reset(0)]
     broken_q: DFF<Bits<32>>,
+    #[reset(0)]
     errors_q: DFF<Bits<32>>,
     ram: Ram<W>,
     accept: Signal<Local, Bit>,
@@ -150,41 +161,6 @@ impl<const W: usize, const S: usize> WriteAgent<W, S> {
 impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            phase,
-            column,
-            row,
-            lane,
-            word,
-            write_ptr,
-            announced,
-            sent,
-            sent_next,
-            held,
-            has_space,
-            waiting,
-            has_word,
-            push,
-            push_row,
-            request,
-            is_whole,
-            address,
-            request_address,
-            request_words,
-            word_valid,
-            sent_word,
-            sent_last,
-            outstanding,
-            failed,
-            suspect_frames,
-            target,
-            newest_q,
-            frames_q,
-            broken_q,
-            errors_q
-        );
         self.ram.clock.next = self.clock.val();
 
         // Pixels into words, words into the RAM a cycle later.
@@ -360,18 +336,6 @@ impl<const W: usize, const S: usize> Logic for WriteAgent<W, S> {
             self.has_space.d.next = true;
             self.waiting.d.next = 0.into();
             self.has_word.d.next = false;
-        }
-        if self.reset.val() {
-            self.phase.d.next = Phase::Between;
-            self.push.d.next = false;
-            self.request.d.next = false;
-            self.word_valid.d.next = false;
-            self.outstanding.d.next = 0.into();
-            self.suspect_frames.d.next = 0.into();
-            self.newest_q.d.next = 3.into();
-            self.frames_q.d.next = 0.into();
-            self.broken_q.d.next = 0.into();
-            self.errors_q.d.next = 0.into();
         }
 
         self.dram.aw_id.next = 0.into();

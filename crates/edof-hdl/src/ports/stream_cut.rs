@@ -8,6 +8,7 @@ use rust_hdl::prelude::*;
 ///
 /// Latency one cycle, one beat per cycle; two beats fit inside. A stall holds everything.
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct StreamCut<const W: usize> {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -17,10 +18,12 @@ pub struct StreamCut<const W: usize> {
     pub from: StreamIn<W>,
     /// Beats, one cycle later.
     pub to: StreamOut<W>,
+    #[reset(false)]
     full: DFF<Bit>,
     data: DFF<Bits<W>>,
     user: DFF<Bit>,
     last: DFF<Bit>,
+    #[reset(false)]
     spare_full: DFF<Bit>,
     spare_data: DFF<Bits<W>>,
     spare_user: DFF<Bit>,
@@ -31,8 +34,6 @@ pub struct StreamCut<const W: usize> {
 impl<const W: usize> Logic for StreamCut<W> {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, full, data, user, last, spare_full, spare_data, spare_user, spare_last);
-
         // What comes goes to the output, or, where that is occupied, to the spare place.
         self.advance.next = !self.full.q.val() || self.to.ready.val();
         if self.advance.val() {
@@ -51,10 +52,6 @@ impl<const W: usize> Logic for StreamCut<W> {
             self.spare_data.d.next = self.from.data.val();
             self.spare_user.d.next = self.from.user.val();
             self.spare_last.d.next = self.from.last.val();
-        }
-        if self.reset.val() {
-            self.full.d.next = false;
-            self.spare_full.d.next = false;
         }
 
         self.from.ready.next = !self.spare_full.q.val();

@@ -15,7 +15,7 @@ use rust_hdl::prelude::*;
 /// A pair a cycle in; what is complete stands on the output nine cycles after the last that was added to it. Sums of 20 bits lie in
 /// block RAM, eight rows of them, and saturate once.
 #[derive(Circuit)]
-#[circuit(default(Delay))]
+#[circuit(default(Delay), registers(clock, reset))]
 pub struct OverlapAdd {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -50,11 +50,17 @@ pub struct OverlapAdd {
     kept_pairs: Constant<Bits<3>>,
     frame_pairs: Constant<Coordinate>,
     frame_rows: Constant<Coordinate>,
+    #[reset(0)]
     step: DFF<Bits<5>>,
+    #[reset(0)]
     row: DFF<Coordinate>,
+    #[reset(0)]
     column: DFF<Coordinate>,
+    #[reset(0)]
     top: DFF<Coordinate>,
+    #[reset(0)]
     remaining: DFF<Coordinate>,
+    #[reset(false)]
     valid_1: DFF<Bit>,
     fresh_1: DFF<Bit>,
     done_1: DFF<Bit>,
@@ -70,6 +76,8 @@ pub struct OverlapAdd {
     valid_to_4: Delay<1, 2>,
     place_to_4: Delay<16, 2>,
     words_to_3: Delay<64, 2>,
+    // With a reset it is a register of its own, faster than the shift registers before it.
+    #[reset(0)]
     words_4: DFF<Bits<64>>,
     luma_sums: Memory<40>,
     chroma_sums: Memory<40>,
@@ -84,6 +92,7 @@ pub struct OverlapAdd {
     over_7: [DFF<Bits<2>>; 2],
     over_8: DFF<Bits<3>>,
     queue: Queue<64>,
+    #[reset(0)]
     saturated_q: DFF<Bits<32>>,
     accept: Signal<Local, Bit>,
     patch_ends: Signal<Local, Bit>,
@@ -132,32 +141,6 @@ impl OverlapAdd {
 impl Logic for OverlapAdd {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            step,
-            row,
-            column,
-            top,
-            remaining,
-            valid_1,
-            fresh_1,
-            done_1,
-            pair_1,
-            line_1,
-            words_1,
-            valid_2,
-            place_2,
-            visible_2,
-            place_5,
-            words_4,
-            valid_5,
-            done_5,
-            visible_5,
-            push_6,
-            over_8,
-            saturated_q
-        );
         self.fresh_to_4.clock.next = self.clock.val();
         self.done_to_4.clock.next = self.clock.val();
         self.visible_to_4.clock.next = self.clock.val();
@@ -306,18 +289,6 @@ impl Logic for OverlapAdd {
         self.saturated_q.d.next = self.saturated_q.q.val() + bit_cast::<32, 3>(self.over_8.q.val());
         self.saturated_sums.next = self.saturated_q.q.val();
         if self.clear.val() {
-            self.saturated_q.d.next = 0.into();
-        }
-
-        // With a reset these are registers of their own, faster than the shift registers before them.
-        if self.reset.val() {
-            self.words_4.d.next = 0.into();
-            self.step.d.next = 0.into();
-            self.row.d.next = 0.into();
-            self.column.d.next = 0.into();
-            self.top.d.next = 0.into();
-            self.remaining.d.next = 0.into();
-            self.valid_1.d.next = false;
             self.saturated_q.d.next = 0.into();
         }
     }

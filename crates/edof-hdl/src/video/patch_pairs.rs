@@ -10,6 +10,7 @@ use rust_hdl::prelude::*;
 /// Two patches are held: one fills while the other is read, a pair a cycle, the first on the output six cycles after its patch's
 /// last beat. The set of a patch is not kept: what it was made with is in its words.
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct PatchPairs {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -32,13 +33,20 @@ pub struct PatchPairs {
     luma_words: Ram<32>,
     cb_words: Ram<32>,
     cr_words: Ram<32>,
+    #[reset(0)]
     beat: DFF<Bits<6>>,
+    #[reset(false)]
     write_slot: DFF<Bit>,
+    #[reset(0)]
     step: DFF<Bits<5>>,
+    #[reset(false)]
     read_slot: DFF<Bit>,
+    #[reset(0)]
     full: DFF<Bits<2>>,
+    #[reset(false)]
     step_1: DFF<Bit>,
     half_1: DFF<Bit>,
+    #[reset(false)]
     step_2: DFF<Bit>,
     luma_2: DFF<Pair>,
     chroma_2: DFF<Pair>,
@@ -65,9 +73,6 @@ impl Default for PatchPairs {
 impl Logic for PatchPairs {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self, clock, beat, write_slot, step, read_slot, full, step_1, half_1, step_2, luma_2, chroma_2
-        );
         self.luma_words.clock.next = self.clock.val();
         self.cb_words.clock.next = self.clock.val();
         self.cr_words.clock.next = self.clock.val();
@@ -139,15 +144,6 @@ impl Logic for PatchPairs {
             self.full.d.next = self.full.q.val() + 1;
         } else if self.finished.val() && !self.arrived.val() {
             self.full.d.next = self.full.q.val() - 1;
-        }
-        if self.reset.val() {
-            self.beat.d.next = 0.into();
-            self.write_slot.d.next = false;
-            self.step.d.next = 0.into();
-            self.read_slot.d.next = false;
-            self.full.d.next = 0.into();
-            self.step_1.d.next = false;
-            self.step_2.d.next = false;
         }
     }
 }

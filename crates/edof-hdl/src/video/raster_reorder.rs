@@ -13,7 +13,7 @@ use rust_hdl::prelude::*;
 /// what reaches beyond its right and lower border is left out. Two rows of blocks lie in block RAM: one fills while the other is read.
 /// A pair a cycle; a row's first pair stands on the output seven cycles after its last block's last pair.
 #[derive(Circuit)]
-#[circuit(default(Delay))]
+#[circuit(default(Delay), registers(clock, reset))]
 pub struct RasterReorder {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -48,10 +48,15 @@ pub struct RasterReorder {
     last_row: Constant<Coordinate>,
     luma_words: Memory<32>,
     chroma_words: Memory<32>,
+    #[reset(0)]
     in_pair: DFF<Bits<2>>,
+    #[reset(0)]
     in_row: DFF<Bits<3>>,
+    #[reset(0)]
     block_column: DFF<Coordinate>,
+    #[reset(false)]
     write_slot: DFF<Bit>,
+    #[reset(false)]
     write_1: DFF<Bit>,
     pair_1: DFF<Coordinate>,
     row_1: DFF<Bits<4>>,
@@ -59,17 +64,24 @@ pub struct RasterReorder {
     inside_2: DFF<Bit>,
     place_2: DFF<Place>,
     words_2: DFF<Bits<64>>,
+    #[reset(0)]
     full: DFF<Bits<2>>,
+    #[reset(0)]
     pair: DFF<Coordinate>,
     // The pair is its line's last: known a pair before, as all that ends with a line follows from it.
+    #[reset(false)]
     pair_is_last: DFF<Bit>,
+    #[reset(0)]
     row: DFF<Coordinate>,
+    #[reset(0)]
     row_in_slot: DFF<Bits<3>>,
     // Of the row, which stands for a whole line: known before the line ends.
     row_is_last: DFF<Bit>,
     slot_ends: DFF<Bit>,
+    #[reset(false)]
     read_slot: DFF<Bit>,
     read_place_1: DFF<Place>,
+    #[reset(0)]
     marks_1: DFF<Bits<3>>,
     marks_to_3: Delay<3, 2>,
     queue: Queue<66>,
@@ -112,31 +124,6 @@ impl RasterReorder {
 impl Logic for RasterReorder {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            in_pair,
-            in_row,
-            block_column,
-            write_slot,
-            write_1,
-            pair_1,
-            row_1,
-            words_1,
-            inside_2,
-            place_2,
-            words_2,
-            full,
-            pair,
-            pair_is_last,
-            row,
-            row_in_slot,
-            row_is_last,
-            slot_ends,
-            read_slot,
-            read_place_1,
-            marks_1
-        );
         self.luma_words.clock.next = self.clock.val();
         self.chroma_words.clock.next = self.clock.val();
         self.marks_to_3.clock.next = self.clock.val();
@@ -241,21 +228,6 @@ impl Logic for RasterReorder {
             self.full.d.next = self.full.q.val() + 1;
         } else if self.finished.val() && !self.arrives.val() {
             self.full.d.next = self.full.q.val() - 1;
-        }
-
-        if self.reset.val() {
-            self.in_pair.d.next = 0.into();
-            self.in_row.d.next = 0.into();
-            self.block_column.d.next = 0.into();
-            self.write_slot.d.next = false;
-            self.write_1.d.next = false;
-            self.full.d.next = 0.into();
-            self.pair.d.next = 0.into();
-            self.pair_is_last.d.next = false;
-            self.row.d.next = 0.into();
-            self.row_in_slot.d.next = 0.into();
-            self.read_slot.d.next = false;
-            self.marks_1.d.next = 0.into();
         }
     }
 }

@@ -16,7 +16,7 @@ use rust_hdl::prelude::*;
 /// The whole way of a picture: lines of red-first raw frames in, lines of codes out, a pixel a beat.
 /// What stands between them: windows, the calculator, overlap, lines, display. Frames follow one another without a pause.
 #[derive(Circuit)]
-#[circuit(default(TableReader))]
+#[circuit(default(TableReader), registers(clock, reset))]
 pub struct StreamCore {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -85,10 +85,15 @@ pub struct StreamCore {
     /// The set of weights of the last patch.
     pub set_used: Signal<Out, Bit>,
     clear_state: Signal<Local, Bit>,
+    #[reset(false)]
     set_q: DFF<Bit>,
+    #[reset(false)]
     patch_done: DFF<Bit>,
+    #[reset(false)]
     busy: DFF<Bit>,
+    #[reset(0)]
     patches_q: DFF<Bits<32>>,
+    #[reset(0)]
     busy_cycles_q: DFF<Bits<32>>,
     windows: WindowReorder,
     check: FrameCheck<32>,
@@ -125,7 +130,6 @@ impl StreamCore {
 impl Logic for StreamCore {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(self, clock, set_q, patch_done, busy, patches_q, busy_cycles_q);
         self.windows.clock.next = self.clock.val();
         self.calculator.clock.next = self.clock.val();
         self.lines.clock.next = self.clock.val();
@@ -218,12 +222,5 @@ impl Logic for StreamCore {
         }
         self.patches.next = self.patches_q.q.val();
         self.busy_cycles.next = self.busy_cycles_q.q.val();
-        if self.reset.val() {
-            self.set_q.d.next = false;
-            self.patch_done.d.next = false;
-            self.busy.d.next = false;
-            self.patches_q.d.next = 0.into();
-            self.busy_cycles_q.d.next = 0.into();
-        }
     }
 }

@@ -11,7 +11,7 @@ use rust_hdl::prelude::*;
 /// a stage's weights are (`edof_device::design::reading`), and go through a CRC. A row is four entries, the lowest first, each in 16
 /// bits. Its bank is {table (2 bits), whether it lies in the second half of a table of luma}.
 #[derive(Circuit)]
-#[circuit(default(Reader, Delay))]
+#[circuit(default(Reader, Delay), registers(clock, reset))]
 pub struct TableReader {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -49,10 +49,13 @@ pub struct TableReader {
     shown_at: Constant<Bits<5>>,
     read_register: Constant<Bits<12>>,
     reader: Reader,
+    #[reset(false)]
     starts: DFF<Bit>,
     command: DFF<Bits<32>>,
+    #[reset(false)]
     active: DFF<Bit>,
     entry: DFF<Bits<2>>,
+    #[reset(false)]
     write_q: DFF<Bit>,
     select_q: DFF<Bits<2>>,
     address_q: DFF<Bits<15>>,
@@ -85,9 +88,6 @@ impl Default for TableReader {
 impl Logic for TableReader {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self, clock, starts, command, active, entry, write_q, select_q, address_q, data_q, row, status_q
-        );
         self.reader.clock.next = self.clock.val();
         self.reader.reset.next = self.reset.val();
         self.read_tag.clock.next = self.clock.val();
@@ -158,10 +158,5 @@ impl Logic for TableReader {
             self.status_q.d.next = self.reader.value.val();
         }
         self.status.next = self.status_q.q.val();
-        if self.reset.val() {
-            self.starts.d.next = false;
-            self.active.d.next = false;
-            self.write_q.d.next = false;
-        }
     }
 }

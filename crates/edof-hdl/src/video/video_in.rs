@@ -13,6 +13,7 @@ use rust_hdl::prelude::*;
 /// So is one in which the horizontal sync pauses for 8191 cycles, or in which a code lies outside of 64 to 191. Lines beyond the design's height are left out. What was measured of a
 /// frame stands with its end, the first after a loss left out.
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct VideoIn {
     /// The bus' own clock.
     pub clock: Signal<In, Clock>,
@@ -73,33 +74,55 @@ pub struct VideoIn {
     line_ends_2: DFF<Bit>,
     frame_ends_2: DFF<Bit>,
     sync_2: DFF<Bit>,
+    #[reset(0)]
     column: DFF<Coordinate>,
+    #[reset(0)]
     row: DFF<Coordinate>,
+    #[reset(false)]
     begins: DFF<Bit>,
+    #[reset(true)]
     malformed: DFF<Bit>,
+    #[reset(false)]
     stray: DFF<Bit>,
+    #[reset(false)]
     size_known: DFF<Bit>,
+    #[reset(false)]
     sending: DFF<Bit>,
     pixel_3: DFF<Bits<16>>,
+    #[reset(false)]
     send_3: DFF<Bit>,
     first_3: DFF<Bit>,
     last_3: DFF<Bit>,
+    #[reset(false)]
     out_valid_q: DFF<Bit>,
     out_pixel_q: DFF<Bits<16>>,
     out_first_q: DFF<Bit>,
     out_last_q: DFF<Bit>,
+    #[reset(0)]
     width_q: DFF<Coordinate>,
+    #[reset(0)]
     height_q: DFF<Coordinate>,
+    #[reset(0)]
     cycles: DFF<Coordinate>,
+    #[reset(0)]
     line_cycles_q: DFF<Coordinate>,
+    #[reset(0)]
     syncs: DFF<Coordinate>,
+    #[reset(0)]
     lines_q: DFF<Coordinate>,
+    #[reset(max_wait)]
     wait_count: DFF<Bits<24>>,
+    #[reset(false)]
     present_q: DFF<Bit>,
+    #[reset(false)]
     fits_q: DFF<Bit>,
+    #[reset(0)]
     right_q: DFF<Bits<32>>,
+    #[reset(0)]
     wrong_q: DFF<Bits<32>>,
+    #[reset(0)]
     range_q: DFF<Bits<32>>,
+    #[reset(0)]
     overruns_q: DFF<Bits<32>>,
     row_now: Signal<Local, Coordinate>,
     column_now: Signal<Local, Coordinate>,
@@ -126,52 +149,6 @@ impl VideoIn {
 impl Logic for VideoIn {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            hs_1,
-            vs_1,
-            de_1,
-            data_1,
-            hs_2,
-            vs_2,
-            de_2,
-            pixel_2,
-            in_range_2,
-            line_begins_2,
-            line_ends_2,
-            frame_ends_2,
-            sync_2,
-            column,
-            row,
-            begins,
-            malformed,
-            stray,
-            size_known,
-            sending,
-            pixel_3,
-            send_3,
-            first_3,
-            last_3,
-            out_valid_q,
-            out_pixel_q,
-            out_first_q,
-            out_last_q,
-            width_q,
-            height_q,
-            cycles,
-            line_cycles_q,
-            syncs,
-            lines_q,
-            wait_count,
-            present_q,
-            fits_q,
-            right_q,
-            wrong_q,
-            range_q,
-            overruns_q
-        );
-
         // Cycles 1 and 2: the pins, and what changed on them.
         self.hs_1.d.next = self.hs.val();
         self.vs_1.d.next = self.vs.val();
@@ -320,30 +297,5 @@ impl Logic for VideoIn {
         self.wrong_frames.next = self.wrong_q.q.val();
         self.range_frames.next = self.range_q.q.val();
         self.overruns.next = self.overruns_q.q.val();
-
-        if self.reset.val() {
-            self.column.d.next = 0.into();
-            self.row.d.next = 0.into();
-            self.begins.d.next = false;
-            self.malformed.d.next = true;
-            self.stray.d.next = false;
-            self.size_known.d.next = false;
-            self.sending.d.next = false;
-            self.send_3.d.next = false;
-            self.out_valid_q.d.next = false;
-            self.width_q.d.next = 0.into();
-            self.height_q.d.next = 0.into();
-            self.cycles.d.next = 0.into();
-            self.line_cycles_q.d.next = 0.into();
-            self.syncs.d.next = 0.into();
-            self.lines_q.d.next = 0.into();
-            self.wait_count.d.next = self.max_wait.val();
-            self.present_q.d.next = false;
-            self.fits_q.d.next = false;
-            self.right_q.d.next = 0.into();
-            self.wrong_q.d.next = 0.into();
-            self.range_q.d.next = 0.into();
-            self.overruns_q.d.next = 0.into();
-        }
     }
 }

@@ -10,6 +10,7 @@ use rust_hdl::prelude::*;
 /// picture begins; black otherwise, so black until the first one. A frame whose pixels come late is black from there on, and counted;
 /// what is left of it is dropped before the next picture begins. A pixel is on the pins two cycles after it was taken.
 #[derive(Circuit)]
+#[circuit(registers(clock, reset))]
 pub struct VideoOut {
     /// The pixel clock.
     pub clock: Signal<In, Clock>,
@@ -46,14 +47,23 @@ pub struct VideoOut {
     hs_off: Constant<Coordinate>,
     vs_on: Constant<Coordinate>,
     vs_off: Constant<Coordinate>,
+    #[reset(width)]
     column: DFF<Coordinate>,
+    #[reset(height)]
     row: DFF<Coordinate>,
+    #[reset(false)]
     column_ends: DFF<Bit>,
+    #[reset(false)]
     row_ends: DFF<Bit>,
+    #[reset(false)]
     active: DFF<Bit>,
+    #[reset(false)]
     begins: DFF<Bit>,
+    #[reset(false)]
     hs_q: DFF<Bit>,
+    #[reset(false)]
     vs_q: DFF<Bit>,
+    #[reset(false)]
     showing: DFF<Bit>,
     de_1: DFF<Bit>,
     hs_1: DFF<Bit>,
@@ -63,7 +73,9 @@ pub struct VideoOut {
     hs_2: DFF<Bit>,
     vs_2: DFF<Bit>,
     data_2: DFF<Bits<16>>,
+    #[reset(0)]
     shown_q: DFF<Bits<32>>,
+    #[reset(0)]
     late_q: DFF<Bits<32>>,
     column_next: Signal<Local, Coordinate>,
     row_next: Signal<Local, Coordinate>,
@@ -96,30 +108,6 @@ impl VideoOut {
 impl Logic for VideoOut {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            column,
-            row,
-            column_ends,
-            row_ends,
-            active,
-            begins,
-            hs_q,
-            vs_q,
-            showing,
-            de_1,
-            hs_1,
-            vs_1,
-            data_1,
-            de_2,
-            hs_2,
-            vs_2,
-            data_2,
-            shown_q,
-            late_q
-        );
-
         // Where the screen is.
         self.column_next.next = self.column.q.val() + 1;
         if self.column_ends.q.val() {
@@ -186,19 +174,5 @@ impl Logic for VideoOut {
         }
         self.shown_frames.next = self.shown_q.q.val();
         self.late_pixels.next = self.late_q.q.val();
-
-        if self.reset.val() {
-            self.column.d.next = self.width.val();
-            self.row.d.next = self.height.val();
-            self.column_ends.d.next = false;
-            self.row_ends.d.next = false;
-            self.active.d.next = false;
-            self.begins.d.next = false;
-            self.hs_q.d.next = false;
-            self.vs_q.d.next = false;
-            self.showing.d.next = false;
-            self.shown_q.d.next = 0.into();
-            self.late_q.d.next = 0.into();
-        }
     }
 }

@@ -15,7 +15,7 @@ use rust_hdl::prelude::*;
 /// frame's may follow at once. A window begins once the last line that it needs has come; then one beat per cycle, eleven cycles from
 /// address to output. Between rows of windows it pauses for 12 cycles. `set` is looked at with each frame's first window.
 #[derive(Circuit)]
-#[circuit(default(Delay))]
+#[circuit(default(Delay), registers(clock, reset))]
 pub struct WindowReorder {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -60,23 +60,36 @@ pub struct WindowReorder {
     last_pair: Constant<Coordinate>,
     even_mirror: Constant<Coordinate>,
     odd_mirror: Constant<Coordinate>,
+    #[reset(false)]
     writing: DFF<Bit>,
+    #[reset(0)]
     in_column: DFF<Coordinate>,
+    #[reset(0)]
     in_slot: DFF<Bits<5>>,
+    #[reset(false)]
     write_even_1: DFF<Bit>,
+    #[reset(false)]
     write_odd_1: DFF<Bit>,
     write_place_1: DFF<Place>,
     pixel_1: DFF<Bits<15>>,
+    #[reset(false)]
     line_done: DFF<Bit>,
+    #[reset(0)]
     held: DFF<Bits<6>>,
+    #[reset(0)]
     age: DFF<Bits<4>>,
+    #[reset(true)]
     fresh: DFF<Bit>,
+    #[reset(false)]
     frame_pending: DFF<Bit>,
+    #[reset(0)]
     frame_slot: DFF<Bits<5>>,
     set_q: DFF<Bit>,
+    #[reset(0)]
     patch_row: DFF<Coordinate>,
     in_last_row: DFF<Bit>,
     in_last_column: DFF<Bit>,
+    #[reset(first_top)]
     top: DFF<Coordinate>,
     next_top: DFF<Coordinate>,
     base: DFF<Coordinate>,
@@ -86,12 +99,18 @@ pub struct WindowReorder {
     end_line: DFF<Coordinate>,
     needed_lines: DFF<Coordinate>,
     freed: DFF<Coordinate>,
+    #[reset(0)]
     release: DFF<Bits<6>>,
     has_lines: DFF<Bit>,
+    #[reset(0)]
     pair: DFF<Bits<3>>,
+    #[reset(0)]
     row: DFF<Bits<4>>,
+    #[reset(0)]
     patch_column: DFF<Coordinate>,
+    #[reset(first_left)]
     remaining: DFF<Coordinate>,
+    #[reset(0)]
     marks_1: DFF<Bits<3>>,
     line_1: DFF<Coordinate>,
     column_1: DFF<Coordinate>,
@@ -176,57 +195,6 @@ impl WindowReorder {
 impl Logic for WindowReorder {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            writing,
-            in_column,
-            in_slot,
-            write_even_1,
-            write_odd_1,
-            write_place_1,
-            pixel_1,
-            line_done,
-            held,
-            age,
-            fresh,
-            frame_pending,
-            frame_slot,
-            set_q,
-            patch_row,
-            in_last_row,
-            in_last_column,
-            top,
-            next_top,
-            base,
-            next_base,
-            end_base,
-            bottom,
-            end_line,
-            needed_lines,
-            freed,
-            release,
-            has_lines,
-            pair,
-            row,
-            patch_column,
-            remaining,
-            marks_1,
-            line_1,
-            column_1,
-            line_2,
-            line_back_2,
-            line_out_2,
-            column_2,
-            even_back_2,
-            odd_back_2,
-            column_out_2,
-            slot_3,
-            even_3,
-            odd_3,
-            even_place_4,
-            odd_place_4
-        );
         self.marks_to_6.clock.next = self.clock.val();
         self.even_pixels.clock.next = self.clock.val();
         self.odd_pixels.clock.next = self.clock.val();
@@ -414,27 +382,5 @@ impl Logic for WindowReorder {
         self.out_pixels.next = self.queue.front_data.val().get_bits::<32>(0);
         self.out_last.next = self.queue.front_data.val().get_bit(32);
         self.out_set.next = self.queue.front_data.val().get_bit(33);
-
-        if self.reset.val() {
-            self.writing.d.next = false;
-            self.in_column.d.next = 0.into();
-            self.in_slot.d.next = 0.into();
-            self.write_even_1.d.next = false;
-            self.write_odd_1.d.next = false;
-            self.line_done.d.next = false;
-            self.held.d.next = 0.into();
-            self.age.d.next = 0.into();
-            self.fresh.d.next = true;
-            self.frame_pending.d.next = false;
-            self.frame_slot.d.next = 0.into();
-            self.patch_row.d.next = 0.into();
-            self.top.d.next = self.first_top.val();
-            self.release.d.next = 0.into();
-            self.pair.d.next = 0.into();
-            self.row.d.next = 0.into();
-            self.patch_column.d.next = 0.into();
-            self.remaining.d.next = self.first_left.val();
-            self.marks_1.d.next = 0.into();
-        }
     }
 }

@@ -9,7 +9,10 @@
 // From crates/edof-hdl/src/blocks/base_ring.rs (BaseRing).
 `default_nettype none
 
-module base_ring (
+module base_ring #(
+  parameter [6:0] LAST_BEAT = 7'd31,
+  parameter DEPTH = 0
+) (
   input wire clock_i,        // Clock.
   input wire reset_i,        // Empties the memory.
 
@@ -19,24 +22,19 @@ module base_ring (
   output wire [31:0] front_o // The two that stood first two cycles ago.
 );
 
-  localparam [6:0] LAST_BEAT = 7'd7;
-
   reg write_q;
   reg [31:0] words_q;
   reg [6:0] write_beat_q, read_beat_q;
   reg [2:0] write_vector_q, read_vector_q;
 
-  // base_ring.rs:55
-  wire [11:0] ram_write_address = {2'd0, write_vector_q, write_beat_q};
-  wire [11:0] ram_read_address = {2'd0, read_vector_q, read_beat_q};
-
-  edof_ram #(.WIDTH(32), .DEPTH(1024), .BLOCK(2), .INIT("")) ram (
-    .clock_i(clock_i), .read_address_i(ram_read_address), .read_data_o(front_o), .write_enable_i(write_q),
-    .write_address_i(ram_write_address), .write_data_i(words_q)
+  edof_ram #(.WIDTH(32), .DEPTH(DEPTH), .BLOCK(2), .INIT("")) ram (
+    .clock_i(clock_i), .read_address_i({2'd0, read_vector_q, read_beat_q}), .read_data_o(front_o),
+    .write_enable_i(write_q), .write_address_i({2'd0, write_vector_q, write_beat_q}),
+    .write_data_i(words_q)
   );
 
   always @(posedge clock_i) begin
-    // base_ring.rs:52
+    // base_ring.rs:58
     write_q <= write_i;
     words_q <= words_i;
     if (write_q) begin
@@ -53,6 +51,7 @@ module base_ring (
         read_vector_q <= read_vector_q + 3'd1;
       end
     end
+    // base_ring.rs:14: Reset.
     if (reset_i) begin
       write_q <= 1'b0;
       write_beat_q <= 7'd0;

@@ -17,26 +17,19 @@ module counter (
   output wire [31:0] count_o
 );
 
-  reg [3:0] marks;
   wire [3:0] delayed;
   reg [1:0] increment_q;
   reg [31:0] count_q, latched_q;
 
-  // counters.rs:37: Bits 0 and 2 reset, 1 and 3 snapshot: a register for what counts, one for what is shown.
-  always @* begin
-    marks = 4'd0;
-    if (reset_i) marks = marks | 4'd5;
-    if (snapshot_i) marks = marks | 4'ha;
-  end
-
-  // counters.rs:50: Bits 0 and 2 reset, 1 and 3 snapshot: a register for what counts, one for what is shown.
+  // counters.rs:36: Bits 0 and 2 reset, 1 and 3 snapshot: a register for what counts, one for what is shown.
+  wire [3:0] marks = {snapshot_i, reset_i, snapshot_i, reset_i};
   wire [31:0] base_count = delayed[1] ? 32'd0 : count_q;
   assign count_o = latched_q;
 
   edof_delay #(.WIDTH(4), .CYCLES(1)) marks_q (.clock_i(clock_i), .data_i(marks), .data_o(delayed));
 
   always @(posedge clock_i) begin
-    // counters.rs:45: Bits 0 and 2 reset, 1 and 3 snapshot: a register for what counts, one for what is shown.
+    // counters.rs:41: Bits 0 and 2 reset, 1 and 3 snapshot: a register for what counts, one for what is shown.
     increment_q <= 2'd0;
     if (enable_i) increment_q <= {1'b0, events_i[0]} + {1'b0, events_i[1]};
     count_q <= base_count + {30'd0, increment_q};

@@ -26,21 +26,19 @@ module dense_operands (
   output wire [24:0] value_d_o  // Of the fourth.
 );
 
-  reg [2:0] flags;
   reg [11:0] row_q;
   wire [2:0] flags_to_2_delayed;
   reg [15:0] value_a_3_q, value_b_3_q, value_c_3_q, value_d_3_q;
   reg [24:0] value_a_4_q, value_b_4_q, value_c_4_q, value_d_4_q;
 
   // dense_operands.rs:71: With the step, until what it read is there: bit 0 first, 1 valid, 2 odd.
-  always @* begin
-    flags = 3'd0;
-    if (first_i) flags = flags | 3'd1;
-    if (valid_i) flags = flags | 3'd2;
-    if (odd_i) flags = flags | 3'd4;
-  end
+  wire [2:0] flags = {odd_i, valid_i, first_i};
 
-  // dense_operands.rs:124
+  // dense_operands.rs:97: Cycle 4: as wide as a multiplier's input.
+  wire [24:0] wide_a = {{9{value_a_3_q[15]}}, value_a_3_q};
+  wire [24:0] wide_b = {{9{value_b_3_q[15]}}, value_b_3_q};
+  wire [24:0] wide_c = {{9{value_c_3_q[15]}}, value_c_3_q};
+  wire [24:0] wide_d = {{9{value_d_3_q[15]}}, value_d_3_q};
   assign value_a_o = value_a_4_q;
   assign value_b_o = value_b_4_q;
   assign value_c_o = value_c_4_q;
@@ -57,9 +55,9 @@ module dense_operands (
   );
 
   always @(posedge clock_i) begin
-    // dense_operands.rs:82: With the step, until what it read is there: bit 0 first, 1 valid, 2 odd.
+    // dense_operands.rs:75: With the step, until what it read is there: bit 0 first, 1 valid, 2 odd.
     row_q <= base_i + offset_i;
-    // dense_operands.rs:86: Cycle 3: the element of two.
+    // dense_operands.rs:79: Cycle 3: the element of two.
     value_a_3_q <= pair_a_i[15:0];
     value_b_3_q <= pair_b_i[15:0];
     value_c_3_q <= pair_c_i[15:0];
@@ -76,15 +74,11 @@ module dense_operands (
       value_c_3_q <= 16'd0;
       value_d_3_q <= 16'd0;
     end
-    // dense_operands.rs:104: Cycle 4: as wide as a multiplier's input.
-    value_a_4_q <= {9'd0, value_a_3_q};
-    if (value_a_3_q[15]) value_a_4_q <= {9'd0, value_a_3_q} | 25'h1ff0000;
-    value_b_4_q <= {9'd0, value_b_3_q};
-    if (value_b_3_q[15]) value_b_4_q <= {9'd0, value_b_3_q} | 25'h1ff0000;
-    value_c_4_q <= {9'd0, value_c_3_q};
-    if (value_c_3_q[15]) value_c_4_q <= {9'd0, value_c_3_q} | 25'h1ff0000;
-    value_d_4_q <= {9'd0, value_d_3_q};
-    if (value_d_3_q[15]) value_d_4_q <= {9'd0, value_d_3_q} | 25'h1ff0000;
+    // dense_operands.rs:101: Cycle 4: as wide as a multiplier's input.
+    value_a_4_q <= wide_a;
+    value_b_4_q <= wide_b;
+    value_c_4_q <= wide_c;
+    value_d_4_q <= wide_d;
   end
 endmodule
 

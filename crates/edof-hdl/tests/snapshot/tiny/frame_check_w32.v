@@ -28,10 +28,10 @@ module frame_check_w32 #(
   reg [31:0] whole_q, latched_q;
   reg [7:0] frames_q, latched_frames_q;
 
-  // frame_check.rs:68
+  // frame_check.rs:60
   wire [1:0] resets_data = reset_i ? 2'd3 : 2'd0;
 
-  // frame_check.rs:95: Which beat it is; the CRC is made a cycle after its last one.
+  // frame_check.rs:87: Which beat it is; the CRC is made a cycle after its last one.
   assign crc_o = latched_q;
   assign frames_o = latched_frames_q;
 
@@ -42,9 +42,9 @@ module frame_check_w32 #(
   );
 
   always @(posedge clock_i) begin
-    // frame_check.rs:72
+    // frame_check.rs:64
     valid_q <= valid_i;
-    // frame_check.rs:78: Which beat it is; the CRC is made a cycle after its last one.
+    // frame_check.rs:70: Which beat it is; the CRC is made a cycle after its last one.
     ends_q <= valid_q && at_end_q;
     if (valid_q) begin
       is_first_q <= at_end_q;
@@ -60,13 +60,6 @@ module frame_check_w32 #(
       latched_q <= whole_q;
       latched_frames_q <= frames_q;
     end
-    if (reset_i) begin
-      valid_q <= 1'b0;
-      is_first_q <= 1'b1;
-      remaining_q <= LAST_BEAT;
-      at_end_q <= 1'b0;
-      ends_q <= 1'b0;
-    end
     if (delayed[0]) begin
       whole_q <= 32'd0;
       frames_q <= 8'd0;
@@ -74,6 +67,14 @@ module frame_check_w32 #(
     if (delayed[1]) begin
       latched_q <= 32'd0;
       latched_frames_q <= 8'd0;
+    end
+    // frame_check.rs:12: Reset.
+    if (reset_i) begin
+      valid_q <= 1'b0;
+      is_first_q <= 1'b1;
+      remaining_q <= LAST_BEAT;
+      at_end_q <= 1'b0;
+      ends_q <= 1'b0;
     end
   end
 endmodule

@@ -119,11 +119,12 @@ module reader (
       if (crc_q[0] != word_q[0]) crc_q <= (crc_q >> 1) ^ POLYNOMIAL;
     end
     if (clear_crc_q) crc_q <= ONES;
+    // reader.rs:15: Reset.
     if (reset_i) begin
       is_active_q <= 1'b0;
       request_q <= 1'b0;
-      at_end_q <= 1'b0;
       cycle_q <= 8'd0;
+      at_end_q <= 1'b0;
     end
   end
 endmodule

@@ -17,6 +17,7 @@ module stage_i (
   input wire valid_i,                // The input beat is valid.
   output wire ready_o,               // The block accepts a valid input in this cycle.
   input wire [31:0] data_i,          // Two words of the beat, the even one low.
+  input wire [31:0] base_i,          // Base words of the same two elements (M).
   input wire last_i,                 // The beat is the last of its vector.
   input wire set_i,                  // The vector's set.
   output wire window_ready_o,        // The block accepts a valid input in this cycle.
@@ -66,36 +67,35 @@ module stage_i (
   reg [18:0] address_2_q;
   wire [52:0] weights_to_5_delayed;
 
-  // stage.rs:207: Each part has a register for its reset.
+  // stage.rs:194: Each part has a register for its reset.
   wire [7:0] resets = (reset_i || flush_i) ? 8'hff : 8'd0;
 
-  // stage.rs:259: In: vectors, bases, windows.
+  // stage.rs:246: In: vectors, bases, windows.
   assign window_ready_o = 1'b1;
 
-  // stage.rs:337: What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2
+  // stage.rs:324: What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2
   // set, then which.
   wire [10:0] marks = {drain_beat, take_set, drain_last, drain_take};
 
-  // stage.rs:353: Out.
+  // stage.rs:340: Out.
   wire [33:0] finished_word = {results_data, results_done};
   assign out_data_o = fifo_front_data[33:2];
   assign out_last_o = fifo_front_data[0];
   assign out_set_o = fifo_front_data[1];
-  wire base_fifo_front_ready = out_valid_o && out_ready_i;
 
-  // stage.rs:384: The host. A weight that both ports read, or a row that is read back, takes the place of a
+  // stage.rs:366: The host. A weight that both ports read, or a row that is read back, takes the place of a
   // step, four cycles after that was due.
   wire selected = write_1_q && (address_1_q[24:21] == ID);
 
-  // stage.rs:396: A row is read back in a cycle without a write, whatever that would write.
+  // stage.rs:378: A row is read back in a cycle without a write, whatever that would write.
   wire reads = request_weights && !write_1_q;
 
-  // stage.rs:410: Bit 0 writes, bit 1 reads.
+  // stage.rs:392: Bit 0 writes, bit 1 reads.
   wire [52:0] weights_word = {address_2_q, data_2_q, 2'd0};
   wire [52:0] weights_marks = weights_2_q ? 53'd1 : (read_2_q ? 53'd2 : 53'd0);
   wire [52:0] weights_to_5_data = weights_word | weights_marks;
 
-  // stage.rs:447: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
+  // stage.rs:429: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
   always @* begin
     reader_register = {12'd0, shifts_0};
     if (reader_row[2]) begin
@@ -109,7 +109,7 @@ module stage_i (
     end
   end
 
-  // stage.rs:463: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
+  // stage.rs:445: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
   wire [31:0] read_word = status_address_i[6] ? reader_value : counters_value;
   assign status_o = status_q;
 
@@ -170,10 +170,15 @@ module stage_i (
     .clock_i(clock_i), .data_i(marks), .data_o(marks_to_groups_delayed)
   );
 
-  results_i results (
-    .clock_i(clock_i), .take_i(marks_to_groups_delayed[0]), .beat_i(marks_to_groups_delayed[10:3]),
-    .last_i(marks_to_groups_delayed[1]), .set_i(marks_to_groups_delayed[2]), .sum_even_i(sum_even),
-    .sum_odd_i(sum_odd), .shifts_0_i(shifts_0), .shifts_1_i(shifts_1),
+  results #(
+    .SET_ROWS(12'd8), .SHRINKS(1'b1), .PASSES_BASE(1'b0), .THRESHOLDS_DEPTH(16),
+    .INIT("stage0_thresholds.mem"), .CODE_FLAGS_CYCLES(3), .RESULT_TO_23_CYCLES(0), .BASE_TO_23_CYCLES(6),
+    .BASE_BITS(48'd0), .LAST_BEAT(7'd31), .BASE_RING_DEPTH(0)
+  ) results (
+    .clock_i(clock_i), .reset_i(reset_parts_delayed[4]), .take_i(marks_to_groups_delayed[0]),
+    .beat_i(marks_to_groups_delayed[10:3]), .last_i(marks_to_groups_delayed[1]),
+    .set_i(marks_to_groups_delayed[2]), .sum_even_i(sum_even), .sum_odd_i(sum_odd), .shifts_0_i(shifts_0),
+    .shifts_1_i(shifts_1), .base_write_i(valid_i && ready_o), .base_words_i(base_i),
     .write_thresholds_i(thresholds_2_q && !reset_i), .write_row_i(address_2_q[12:1]),
     .write_data_i(data_2_q), .read_wanted_i(request_thresholds), .read_row_i(reader_row),
     .read_valid_o(read_valid), .read_thresholds_o(read_thresholds), .read_previous_o(read_previous),
@@ -189,7 +194,7 @@ module stage_i (
 
   edof_fifo #(.WIDTH(32), .DEPTH(128)) base_fifo (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[5]), .push_i(base_push), .data_i(results_base),
-    .valid_o(base_fifo_front_valid_unused), .ready_i(base_fifo_front_ready), .data_o(out_base_o)
+    .valid_o(base_fifo_front_valid_unused), .ready_i(out_valid_o && out_ready_i), .data_o(out_base_o)
   );
 
   registers #(.INIT("stage0_shifts.mem")) registers (
@@ -222,7 +227,7 @@ module stage_i (
   );
 
   always @(posedge clock_i) begin
-    // stage.rs:381: The host. A weight that both ports read, or a row that is read back, takes the place of a
+    // stage.rs:363: The host. A weight that both ports read, or a row that is read back, takes the place of a
     // step, four cycles after that was due.
     write_1_q <= write_valid_i;
     address_1_q <= write_address_i;
@@ -234,12 +239,12 @@ module stage_i (
     command_2_q <= selected && (address_1_q[20:19] == 2'd3) && (address_1_q[12:1] == READ_REGISTER);
     address_2_q <= address_1_q[18:0];
     data_2_q <= data_1_q;
-    // stage.rs:397: A row is read back in a cycle without a write, whatever that would write.
+    // stage.rs:379: A row is read back in a cycle without a write, whatever that would write.
     read_2_q <= reads;
     if (reads) address_2_q <= {reader_bank, reader_row, 1'b0};
     steal_2_q <= reads || (BOTH_PORTS && selected && (address_1_q[20:19] == 2'd0));
     snapshot_2_q <= write_1_q && (address_1_q[24:21] == WHOLE_CHAIN) && (address_1_q[20:19] == 2'd3);
-    // stage.rs:467: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
+    // stage.rs:449: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
     status_q <= 32'd0;
     if (status_address_i[5:2] == ID) status_q <= read_word;
   end

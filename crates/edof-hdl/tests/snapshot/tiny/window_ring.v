@@ -8,7 +8,11 @@
 // From crates/edof-hdl/src/blocks/window_ring.rs (WindowRing).
 `default_nettype none
 
-module window_ring (
+module window_ring #(
+  parameter [4:0] LAST_WINDOW = 5'd0,
+  parameter [5:0] MAX_WINDOWS = 6'd0,
+  parameter DEPTH = 0
+) (
   input wire clock_i,               // Clock.
   input wire reset_i,               // Empties the memory.
 
@@ -22,8 +26,6 @@ module window_ring (
 );
 
   localparam LARGE = 1'b0;
-  localparam [4:0] LAST_WINDOW = 5'h1f;
-  localparam [5:0] MAX_WINDOWS = 6'd32;
 
   reg [5:0] held_next, held_q;
   reg [11:0] ram_read_address, ram_write_address;
@@ -32,19 +34,19 @@ module window_ring (
   reg [6:0] write_beat_q;
   reg [4:0] write_window_q, oldest_q;
 
-  // window_ring.rs:72
+  // window_ring.rs:78
   assign ready_o = ready_q;
   wire accept = valid_i && ready_q;
   wire arrived = accept && last_i;
 
-  // window_ring.rs:75
+  // window_ring.rs:81
   always @* begin
     held_next = held_q;
     if (arrived && !finished_i) held_next = held_q + 6'd1;
     else if (finished_i && !arrived) held_next = held_q - 6'd1;
   end
 
-  // window_ring.rs:89
+  // window_ring.rs:95
   always @* begin
     ram_write_address = ({7'd0, write_window_q} << 5) | {5'd0, write_beat_q};
     ram_read_address = ({7'd0, oldest_q} << 5) | {5'd0, read_pair_i};
@@ -54,13 +56,13 @@ module window_ring (
     end
   end
 
-  edof_ram #(.WIDTH(32), .DEPTH(1024), .BLOCK(2), .INIT("")) ram (
+  edof_ram #(.WIDTH(32), .DEPTH(DEPTH), .BLOCK(2), .INIT("")) ram (
     .clock_i(clock_i), .read_address_i(ram_read_address), .read_data_o(read_pixels_o),
     .write_enable_i(write_q), .write_address_i(ram_write_address), .write_data_i(pixels_q)
   );
 
   always @(posedge clock_i) begin
-    // window_ring.rs:81
+    // window_ring.rs:87
     held_q <= held_next;
     ready_q <= held_next != MAX_WINDOWS;
     write_q <= accept;
@@ -74,6 +76,7 @@ module window_ring (
       end
     end
     if (finished_i) oldest_q <= (oldest_q + 5'd1) & LAST_WINDOW;
+    // window_ring.rs:13: Reset.
     if (reset_i) begin
       write_q <= 1'b0;
       write_beat_q <= 7'd0;

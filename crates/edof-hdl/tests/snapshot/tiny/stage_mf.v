@@ -7,12 +7,39 @@
 // From crates/edof-hdl/src/blocks/stage.rs (Stage).
 `default_nettype none
 
-module stage_m #(
+module stage_mf #(
   parameter [3:0] ID = 4'd1,
+  parameter BOTH_PORTS = 1'b0,
+  parameter HAS_LINEAR = 1'b0,                      // A linear path: windows come in, too (F).
+  parameter BANKS = 2,
+  parameter MACC_DEPTH = 64,
+  parameter ROWS = 1,
   parameter MACC_INIT = "stage1_bank",
   parameter BASE_FIFO_DEPTH = 128,
+  parameter TWO_ROWS = 1'b0,
+  parameter ALIGNS = 1'b0,
+  parameter [4:0] LAST_WINDOW = 5'd0,
+  parameter [5:0] MAX_WINDOWS = 6'd0,
+  parameter RING_DEPTH = 0,
+  parameter [7:0] LINEAR_BEFORE_LAST = 8'd0,
+  parameter [11:0] PASS_ROWS = 12'd16,
+  parameter [11:0] SEQUENCER_SET_ROWS = 12'd32,
+  parameter [5:0] LAST_PASS = 6'd1,
+  parameter [7:0] BEFORE_LAST_TAKE = 8'd3,
+  parameter [7:0] RELEASE_AT = 8'd3,
+  parameter [7:0] DRAIN_LAST_BEAT = 8'd7,
+  parameter [7:0] NEEDED_CREDITS = 8'd4,
+  parameter [11:0] RESULTS_SET_ROWS = 12'd8,
+  parameter SHRINKS = 1'b1,                         // Codes are sent (I, M), not results (F).
+  parameter PASSES_BASE = 1'b1,                     // Base words for the next stage are those that came in.
+  parameter THRESHOLDS_DEPTH = 16,
   parameter RESULTS_INIT = "stage1_thresholds.mem",
-  parameter REGISTERS_INIT = "stage1_shifts.mem"
+  parameter CODE_FLAGS_CYCLES = 3,
+  parameter RESULT_TO_23_CYCLES = 0,
+  parameter [47:0] BASE_BITS = 48'hffffffffffff,
+  parameter BASE_RING_DEPTH = 1024,
+  parameter REGISTERS_INIT = "stage1_shifts.mem",
+  parameter [27:0] CHECK_LAST_BEAT = 28'd383
 ) (
   input wire clock_i,                // Clock.
   // Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until
@@ -26,7 +53,10 @@ module stage_m #(
   input wire [31:0] base_i,          // Base words of the same two elements (M).
   input wire last_i,                 // The beat is the last of its vector.
   input wire set_i,                  // The vector's set.
+  input wire window_valid_i,         // Two pixels on the window input are valid (F with a linear path).
   output wire window_ready_o,        // The block accepts a valid input in this cycle.
+  input wire [31:0] window_data_i,   // Two pixels of the window, the left one low.
+  input wire window_last_i,          // The beat is the last of its window.
   output wire out_valid_o,           // The output beat is valid.
   input wire out_ready_i,            // The receiver accepts the output in this cycle.
   output wire [31:0] out_data_o,     // Two words of the beat, the even one low.
@@ -43,25 +73,24 @@ module stage_m #(
 );
 
   localparam [3:0] WHOLE_CHAIN = 4'd15;
-  localparam BOTH_PORTS = 1'b0;
   localparam [11:0] READ_REGISTER = 12'd3;
   localparam [31:0] SKIP_BIT = 32'd1;
 
   wire [7:0] reset_parts_delayed, drain_beat, frames;
-  wire reset_registers_delayed, pairs_arrived, step_first, begins, valid_a, valid_b, sequencer_first, linear;
-  wire sequencer_odd, sequencer_set, pass_issued, finished, may_start, drain_copy, drain_take, drain_last;
-  wire take_set, read_valid, results_push, base_push, base_fifo_front_valid_unused, skip_zeros, request_weights;
-  wire request_thresholds;
+  wire reset_registers_delayed, pairs_arrived, step_first, ring_ready, begins, valid_a, valid_b;
+  wire sequencer_first, linear, sequencer_odd, sequencer_set, pass_issued, finished, may_start, drain_copy;
+  wire drain_take, drain_last, take_set, read_valid, results_push, base_push, base_fifo_front_valid_unused;
+  wire skip_zeros, request_weights, request_thresholds;
   wire [11:0] pairs_descriptor, pair_operands_address_a, pair_operands_address_b, sequencer_base, offset;
   wire [11:0] reader_row;
   wire [24:0] even_pair, odd_pair, pair_operands_value_a, pair_operands_value_b;
+  wire [31:0] ring_read_pixels, read_thresholds, read_previous, results_data, results_base, counters_value;
+  wire [31:0] check_crc, reader_value;
   wire [8:0] read_row;
-  wire [6:0] sequencer_read_pixels_unused;
+  wire [6:0] sequencer_read_pixels;
   wire [47:0] sum_even, sum_odd;
   wire [63:0] read_data;
   wire [10:0] marks_to_groups_delayed;
-  wire [31:0] read_thresholds, read_previous, results_data, results_base, counters_value, check_crc;
-  wire [31:0] reader_value;
   wire [1:0] results_done, nonzero, result_saturated, code_saturated, difference_saturated;
   wire [33:0] fifo_front_data;
   wire [19:0] shifts_0, shifts_1;
@@ -73,36 +102,35 @@ module stage_m #(
   reg [18:0] address_2_q;
   wire [52:0] weights_to_5_delayed;
 
-  // stage.rs:207: Each part has a register for its reset.
+  // stage.rs:194: Each part has a register for its reset.
   wire [7:0] resets = (reset_i || flush_i) ? 8'hff : 8'd0;
 
-  // stage.rs:259: In: vectors, bases, windows.
-  assign window_ready_o = 1'b1;
+  // stage.rs:246: In: vectors, bases, windows.
+  assign window_ready_o = !HAS_LINEAR || ring_ready;
 
-  // stage.rs:337: What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2
+  // stage.rs:324: What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2
   // set, then which.
   wire [10:0] marks = {drain_beat, take_set, drain_last, drain_take};
 
-  // stage.rs:353: Out.
+  // stage.rs:340: Out.
   wire [33:0] finished_word = {results_data, results_done};
   assign out_data_o = fifo_front_data[33:2];
   assign out_last_o = fifo_front_data[0];
   assign out_set_o = fifo_front_data[1];
-  wire base_fifo_front_ready = out_valid_o && out_ready_i;
 
-  // stage.rs:384: The host. A weight that both ports read, or a row that is read back, takes the place of a
+  // stage.rs:366: The host. A weight that both ports read, or a row that is read back, takes the place of a
   // step, four cycles after that was due.
   wire selected = write_1_q && (address_1_q[24:21] == ID);
 
-  // stage.rs:396: A row is read back in a cycle without a write, whatever that would write.
+  // stage.rs:378: A row is read back in a cycle without a write, whatever that would write.
   wire reads = request_weights && !write_1_q;
 
-  // stage.rs:410: Bit 0 writes, bit 1 reads.
+  // stage.rs:392: Bit 0 writes, bit 1 reads.
   wire [52:0] weights_word = {address_2_q, data_2_q, 2'd0};
   wire [52:0] weights_marks = weights_2_q ? 53'd1 : (read_2_q ? 53'd2 : 53'd0);
   wire [52:0] weights_to_5_data = weights_word | weights_marks;
 
-  // stage.rs:447: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
+  // stage.rs:429: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
   always @* begin
     reader_register = {12'd0, shifts_0};
     if (reader_row[2]) begin
@@ -116,7 +144,7 @@ module stage_m #(
     end
   end
 
-  // stage.rs:463: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
+  // stage.rs:445: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
   wire [31:0] read_word = status_address_i[6] ? reader_value : counters_value;
   assign status_o = status_q;
 
@@ -128,35 +156,43 @@ module stage_m #(
     .clock_i(clock_i), .data_i(reset_i), .data_o(reset_registers_delayed)
   );
 
-  pair_store #(.TWO_ROWS(1'b0)) pairs (
+  pair_store #(.TWO_ROWS(TWO_ROWS)) pairs (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[0]), .skip_zeros_i(skip_zeros), .valid_i(valid_i),
     .ready_o(ready_o), .even_i(data_i[15:0]), .odd_i(data_i[31:16]), .last_i(last_i), .set_i(set_i),
     .arrived_o(pairs_arrived), .descriptor_o(pairs_descriptor), .read_row_i(read_row),
     .even_pair_o(even_pair), .odd_pair_o(odd_pair), .finished_i(finished)
   );
 
-  pair_operands #(.ALIGNS(1'b0), .TWO_ROWS(1'b0)) pair_operands (
+  pair_operands #(.ALIGNS(ALIGNS), .TWO_ROWS(TWO_ROWS)) pair_operands (
     .clock_i(clock_i), .valid_a_i(valid_a), .valid_b_i(valid_b), .first_i(sequencer_first),
     .linear_i(linear), .odd_i(sequencer_odd), .set_i(sequencer_set), .base_i(sequencer_base),
-    .offset_i(offset), .even_pair_i(even_pair), .odd_pair_i(odd_pair), .pixels_i(32'd0),
+    .offset_i(offset), .even_pair_i(even_pair), .odd_pair_i(odd_pair), .pixels_i(ring_read_pixels),
     .shifts_0_i(shifts_0[19:12]), .shifts_1_i(shifts_1[19:12]), .step_first_o(step_first),
     .address_a_o(pair_operands_address_a), .address_b_o(pair_operands_address_b),
     .value_a_o(pair_operands_value_a), .value_b_o(pair_operands_value_b)
   );
 
+  window_ring #(.LAST_WINDOW(LAST_WINDOW), .MAX_WINDOWS(MAX_WINDOWS), .DEPTH(RING_DEPTH)) ring (
+    .clock_i(clock_i), .reset_i(reset_parts_delayed[1]), .valid_i(window_valid_i), .ready_o(ring_ready),
+    .pixels_i(window_data_i), .last_i(window_last_i), .read_pair_i(sequencer_read_pixels),
+    .read_pixels_o(ring_read_pixels), .finished_i(finished)
+  );
+
   sequencer #(
-    .TWO_ROWS(1'b0), .HAS_LINEAR(1'b0), .LINEAR_BEFORE_LAST(8'd0), .CODES(12'd16), .PASS_ROWS(12'd16),
-    .SET_ROWS(12'd32), .LAST_PASS(6'd1)
+    .TWO_ROWS(TWO_ROWS), .HAS_LINEAR(HAS_LINEAR), .LINEAR_BEFORE_LAST(LINEAR_BEFORE_LAST), .CODES(12'd16),
+    .PASS_ROWS(PASS_ROWS), .SET_ROWS(SEQUENCER_SET_ROWS), .LAST_PASS(LAST_PASS)
   ) sequencer (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[2]), .arrived_i(pairs_arrived),
     .descriptor_i(pairs_descriptor), .may_start_i(may_start), .steal_i(steal_2_q), .begins_o(begins),
     .valid_a_o(valid_a), .valid_b_o(valid_b), .first_o(sequencer_first), .linear_o(linear),
     .odd_o(sequencer_odd), .set_o(sequencer_set), .read_row_o(read_row),
-    .read_pixels_o(sequencer_read_pixels_unused), .base_o(sequencer_base), .offset_o(offset),
+    .read_pixels_o(sequencer_read_pixels), .base_o(sequencer_base), .offset_o(offset),
     .pass_issued_o(pass_issued), .finished_o(finished)
   );
 
-  edof_macc_array #(.BANKS(2), .DEPTH(64), .ROWS(1), .DENSE(0), .SUM(48), .INIT(MACC_INIT)) macc (
+  edof_macc_array #(
+    .BANKS(BANKS), .DEPTH(MACC_DEPTH), .ROWS(ROWS), .DENSE(0), .SUM(48), .INIT(MACC_INIT)
+  ) macc (
     .clock_i(clock_i), .first_i(step_first), .address_a_i(pair_operands_address_a),
     .address_b_i(pair_operands_address_b), .value_a_i(pair_operands_value_a),
     .value_b_i(pair_operands_value_b), .value_c_i(25'd0), .value_d_i(25'd0), .copy_i(drain_copy),
@@ -167,7 +203,10 @@ module stage_m #(
     .read_data_o(read_data)
   );
 
-  drain #(.BEFORE_LAST_TAKE(8'd3), .RELEASE_AT(8'd3), .LAST_BEAT(8'd7), .NEEDED_CREDITS(8'd4)) drain (
+  drain #(
+    .BEFORE_LAST_TAKE(BEFORE_LAST_TAKE), .RELEASE_AT(RELEASE_AT), .LAST_BEAT(DRAIN_LAST_BEAT),
+    .NEEDED_CREDITS(NEEDED_CREDITS)
+  ) drain (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[3]), .begins_i(begins), .pass_issued_i(pass_issued),
     .set_i(sequencer_set), .credit_return_i(out_valid_o && out_ready_i), .may_start_o(may_start),
     .copy_o(drain_copy), .take_o(drain_take), .beat_o(drain_beat), .last_o(drain_last),
@@ -178,7 +217,12 @@ module stage_m #(
     .clock_i(clock_i), .data_i(marks), .data_o(marks_to_groups_delayed)
   );
 
-  results_m #(.INIT(RESULTS_INIT)) results (
+  results #(
+    .SET_ROWS(RESULTS_SET_ROWS), .SHRINKS(SHRINKS), .PASSES_BASE(PASSES_BASE),
+    .THRESHOLDS_DEPTH(THRESHOLDS_DEPTH), .INIT(RESULTS_INIT), .CODE_FLAGS_CYCLES(CODE_FLAGS_CYCLES),
+    .RESULT_TO_23_CYCLES(RESULT_TO_23_CYCLES), .BASE_TO_23_CYCLES(0), .BASE_BITS(BASE_BITS),
+    .LAST_BEAT(7'd7), .BASE_RING_DEPTH(BASE_RING_DEPTH)
+  ) results (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[4]), .take_i(marks_to_groups_delayed[0]),
     .beat_i(marks_to_groups_delayed[10:3]), .last_i(marks_to_groups_delayed[1]),
     .set_i(marks_to_groups_delayed[2]), .sum_even_i(sum_even), .sum_odd_i(sum_odd), .shifts_0_i(shifts_0),
@@ -198,7 +242,7 @@ module stage_m #(
 
   edof_fifo #(.WIDTH(32), .DEPTH(BASE_FIFO_DEPTH)) base_fifo (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[5]), .push_i(base_push), .data_i(results_base),
-    .valid_o(base_fifo_front_valid_unused), .ready_i(base_fifo_front_ready), .data_o(out_base_o)
+    .valid_o(base_fifo_front_valid_unused), .ready_i(out_valid_o && out_ready_i), .data_o(out_base_o)
   );
 
   registers #(.INIT(REGISTERS_INIT)) registers (
@@ -213,7 +257,7 @@ module stage_m #(
     .snapshot_i(snapshot_2_q), .select_i(status_address_i[1:0]), .value_o(counters_value)
   );
 
-  frame_check_w32 #(.LAST_BEAT(28'd383)) check (
+  frame_check_w32 #(.LAST_BEAT(CHECK_LAST_BEAT)) check (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[7]), .valid_i(out_valid_o && out_ready_i),
     .data_i(fifo_front_data[33:2]), .snapshot_i(snapshot_2_q), .crc_o(check_crc), .frames_o(frames)
   );
@@ -231,7 +275,7 @@ module stage_m #(
   );
 
   always @(posedge clock_i) begin
-    // stage.rs:381: The host. A weight that both ports read, or a row that is read back, takes the place of a
+    // stage.rs:363: The host. A weight that both ports read, or a row that is read back, takes the place of a
     // step, four cycles after that was due.
     write_1_q <= write_valid_i;
     address_1_q <= write_address_i;
@@ -243,18 +287,18 @@ module stage_m #(
     command_2_q <= selected && (address_1_q[20:19] == 2'd3) && (address_1_q[12:1] == READ_REGISTER);
     address_2_q <= address_1_q[18:0];
     data_2_q <= data_1_q;
-    // stage.rs:397: A row is read back in a cycle without a write, whatever that would write.
+    // stage.rs:379: A row is read back in a cycle without a write, whatever that would write.
     read_2_q <= reads;
     if (reads) address_2_q <= {reader_bank, reader_row, 1'b0};
     steal_2_q <= reads || (BOTH_PORTS && selected && (address_1_q[20:19] == 2'd0));
     snapshot_2_q <= write_1_q && (address_1_q[24:21] == WHOLE_CHAIN) && (address_1_q[20:19] == 2'd3);
-    // stage.rs:467: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
+    // stage.rs:449: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
     status_q <= 32'd0;
     if (status_address_i[5:2] == ID) status_q <= read_word;
   end
 
   // Not every bit of these is read.
-  wire unused = ^{reset_parts_delayed, previous_2_q};
+  wire unused = ^previous_2_q;
 endmodule
 
 `default_nettype wire

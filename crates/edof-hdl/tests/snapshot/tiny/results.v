@@ -1,14 +1,25 @@
 // From sums to output words, two elements per cycle. Counted from `take`: 7 sums and base stand here, 8 to 17
 // base, rounding,
 // shift and saturation, 18 to 20 threshold, 21 to 23 difference or wait. Nothing in here ever stalls.
+// A memory of depth 0 and a delay of 0 cycles are absent: what only other stages need costs nothing.
 //
 // No output follows an input within the cycle.
 //
 // From crates/edof-hdl/src/blocks/results.rs (Results).
 `default_nettype none
 
-module results_m #(
-  parameter INIT = "stage1_thresholds.mem"
+module results #(
+  parameter [11:0] SET_ROWS = 12'd8,
+  parameter SHRINKS = 1'b1,                 // Codes are sent (I, M), not results (F).
+  parameter PASSES_BASE = 1'b0,             // Base words for the next stage are those that came in.
+  parameter THRESHOLDS_DEPTH = 16,
+  parameter INIT = "stage0_thresholds.mem",
+  parameter CODE_FLAGS_CYCLES = 3,
+  parameter RESULT_TO_23_CYCLES = 0,
+  parameter BASE_TO_23_CYCLES = 6,
+  parameter [47:0] BASE_BITS = 48'd0,
+  parameter [6:0] LAST_BEAT = 7'd31,
+  parameter BASE_RING_DEPTH = 0
 ) (
   input wire clock_i,                      // Clock.
   input wire reset_i,                      // Forgets everything.
@@ -43,36 +54,38 @@ module results_m #(
   output wire [1:0] difference_saturated_o // Which differences did not fit.
 );
 
-  localparam [11:0] SET_ROWS = 12'd8;
-
   wire [2:0] marks_to_5_delayed, marks_to_6_delayed, marks_to_23_delayed;
   wire [9:0] place_to_15_delayed;
-  reg read_16_q, read_17_q;
+  reg read_16_q, read_17_q, base_mark_q;
   reg [11:0] threshold_row_q, shifts_q;
   wire [15:0] requantize_even_result, requantize_odd_result, shrink_even_result, shrink_odd_result;
   wire requantize_even_saturated, requantize_odd_saturated, shrink_even_saturated, shrink_odd_saturated;
+  wire [31:0] base_ring_front, codes_to_23_delayed, result_to_23_delayed, base_to_23_delayed;
 
-  // results.rs:178: What travels with a beat: bit 0 it is one, bit 1 last, bit 2 set.
+  // results.rs:188: What travels with a beat: bit 0 it is one, bit 1 last, bit 2 set.
   wire [2:0] marks = {set_i, last_i, take_i};
   wire [9:0] place = {take_i, set_i, beat_i};
 
-  // results.rs:213: Cycles 7 to 17: base and rounding.
-  wire [1:0] result_flags_data = {requantize_odd_saturated, requantize_even_saturated};
+  // results.rs:216: Cycles 7 to 17: base and rounding.
+  wire [31:0] result = {requantize_odd_result, requantize_even_result};
 
-  // results.rs:230: Cycles 18 to 20: thresholds, read in cycle 17.
+  // results.rs:235: Cycles 18 to 20: thresholds, read in cycle 17.
   assign read_valid_o = read_17_q;
   assign read_previous_o = 32'd0;
-  wire [1:0] code_flag = {shrink_odd_saturated, shrink_even_saturated};
   wire [31:0] code = {shrink_odd_result, shrink_even_result};
+  wire [31:0] sent = SHRINKS ? codes_to_23_delayed : result_to_23_delayed;
 
-  // results.rs:283: Cycles 21 to 23: the difference to the z before, made again from the base and the
+  // results.rs:269: Cycles 21 to 23: the difference to the z before, made again from the base and the
   // thresholds before.
   assign difference_saturated_o = {1'b0, 1'b0};
 
-  // results.rs:334: Base words that only pass through wait where all do, in the FIFO behind.
+  // results.rs:302: Output words. Base words that only pass through wait where all do, in the FIFO behind.
+  assign base_push_o = PASSES_BASE ? base_mark_q : marks_to_23_delayed[0];
+  assign base_o = PASSES_BASE ? base_ring_front : base_to_23_delayed;
+  assign data_o = sent;
   assign push_o = marks_to_23_delayed[0];
   assign done_o = marks_to_23_delayed[2:1];
-  assign nonzero_o = {|data_o[31:16], |data_o[15:0]};
+  assign nonzero_o = {|sent[31:16], |sent[15:0]};
 
   edof_delay #(.WIDTH(3), .CYCLES(5)) marks_to_5 (
     .clock_i(clock_i), .data_i(marks), .data_o(marks_to_5_delayed)
@@ -90,28 +103,29 @@ module results_m #(
     .clock_i(clock_i), .data_i(place), .data_o(place_to_15_delayed)
   );
 
-  requantize #(.BASE_BITS(48'hffffffffffff)) requantize_even (
-    .clock_i(clock_i), .sum_i(sum_even_i), .base_i(base_o[15:0]), .base_shift_i(shifts_q[11:6]),
+  requantize #(.BASE_BITS(BASE_BITS)) requantize_even (
+    .clock_i(clock_i), .sum_i(sum_even_i), .base_i(base_ring_front[15:0]), .base_shift_i(shifts_q[11:6]),
     .result_shift_i(shifts_q[5:0]), .result_o(requantize_even_result),
     .saturated_o(requantize_even_saturated)
   );
 
-  requantize #(.BASE_BITS(48'hffffffffffff)) requantize_odd (
-    .clock_i(clock_i), .sum_i(sum_odd_i), .base_i(base_o[31:16]), .base_shift_i(shifts_q[11:6]),
+  requantize #(.BASE_BITS(BASE_BITS)) requantize_odd (
+    .clock_i(clock_i), .sum_i(sum_odd_i), .base_i(base_ring_front[31:16]), .base_shift_i(shifts_q[11:6]),
     .result_shift_i(shifts_q[5:0]), .result_o(requantize_odd_result),
     .saturated_o(requantize_odd_saturated)
   );
 
   edof_delay #(.WIDTH(2), .CYCLES(6)) result_flags (
-    .clock_i(clock_i), .data_i(result_flags_data), .data_o(result_saturated_o)
+    .clock_i(clock_i), .data_i({requantize_odd_saturated, requantize_even_saturated}),
+    .data_o(result_saturated_o)
   );
 
-  base_ring base_ring (
+  base_ring #(.LAST_BEAT(LAST_BEAT), .DEPTH(BASE_RING_DEPTH)) base_ring (
     .clock_i(clock_i), .reset_i(reset_i), .write_i(base_write_i), .words_i(base_words_i),
-    .read_i(marks_to_5_delayed[0]), .front_o(base_o)
+    .read_i(marks_to_5_delayed[0]), .front_o(base_ring_front)
   );
 
-  edof_ram #(.WIDTH(32), .DEPTH(16), .BLOCK(0), .INIT(INIT)) thresholds (
+  edof_ram #(.WIDTH(32), .DEPTH(THRESHOLDS_DEPTH), .BLOCK(0), .INIT(INIT)) thresholds (
     .clock_i(clock_i), .read_address_i(threshold_row_q), .read_data_o(read_thresholds_o),
     .write_enable_i(write_thresholds_i), .write_address_i(write_row_i), .write_data_i(write_data_i)
   );
@@ -126,27 +140,35 @@ module results_m #(
     .result_o(shrink_odd_result), .saturated_o(shrink_odd_saturated)
   );
 
-  edof_delay #(.WIDTH(2), .CYCLES(3)) code_flags (
-    .clock_i(clock_i), .data_i(code_flag), .data_o(code_saturated_o)
+  edof_delay #(.WIDTH(2), .CYCLES(CODE_FLAGS_CYCLES)) code_flags (
+    .clock_i(clock_i), .data_i({shrink_odd_saturated, shrink_even_saturated}), .data_o(code_saturated_o)
   );
 
-  edof_delay #(.WIDTH(32), .CYCLES(3)) codes_to_23 (.clock_i(clock_i), .data_i(code), .data_o(data_o));
+  edof_delay #(.WIDTH(32), .CYCLES(CODE_FLAGS_CYCLES)) codes_to_23 (
+    .clock_i(clock_i), .data_i(code), .data_o(codes_to_23_delayed)
+  );
 
-  edof_delay #(.WIDTH(1), .CYCLES(1)) base_mark (
-    .clock_i(clock_i), .data_i(marks_to_6_delayed[0]), .data_o(base_push_o)
+  edof_delay #(.WIDTH(32), .CYCLES(RESULT_TO_23_CYCLES)) result_to_23 (
+    .clock_i(clock_i), .data_i(result), .data_o(result_to_23_delayed)
+  );
+
+  edof_delay #(.WIDTH(32), .CYCLES(BASE_TO_23_CYCLES)) base_to_23 (
+    .clock_i(clock_i), .data_i(result), .data_o(base_to_23_delayed)
   );
 
   always @(posedge clock_i) begin
-    // results.rs:199: Cycles 7 to 17: base and rounding.
+    // results.rs:204: Cycles 7 to 17: base and rounding.
     shifts_q <= shifts_0_i[11:0];
     if (marks_to_6_delayed[2]) shifts_q <= shifts_1_i[11:0];
-    // results.rs:218: Cycles 18 to 20: thresholds, read in cycle 17.
+    // results.rs:223: Cycles 18 to 20: thresholds, read in cycle 17.
     threshold_row_q <= {4'd0, place_to_15_delayed[7:0]};
     if (place_to_15_delayed[8]) threshold_row_q <= {4'd0, place_to_15_delayed[7:0]} + SET_ROWS;
     read_16_q <= read_wanted_i;
     if (place_to_15_delayed[9]) read_16_q <= 1'b0;
     else threshold_row_q <= read_row_i;
     read_17_q <= read_16_q;
+    // results.rs:301: Output words. Base words that only pass through wait where all do, in the FIFO behind.
+    base_mark_q <= marks_to_6_delayed[0];
   end
 
   // Not every bit of these is read.
