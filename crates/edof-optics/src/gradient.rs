@@ -336,9 +336,9 @@ mod tests {
     fn kernels_that_are_differentiated_are_those_that_are_computed() {
         let settings = Settings { energy: 0.98, ..Settings::default() };
         for camera in [two_rings(), Camera::resolve("ring-outer").unwrap()] {
-            for psf in channel_psfs(&camera, 2.5, &settings).unwrap().iter().enumerate() {
-                let own = kernel(&camera, 2.5, psf.1);
-                let difference = own - psf.1.kernel().mapv(f64::from);
+            for psf in channel_psfs(&camera, 2.5, &settings).unwrap() {
+                let own = kernel(&camera, 2.5, &psf);
+                let difference = own - psf.kernel().mapv(f64::from);
                 assert!(largest(&difference) < 1e-6, "{}: {}", camera.name, largest(&difference));
             }
         }

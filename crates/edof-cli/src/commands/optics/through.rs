@@ -160,14 +160,11 @@ fn tell(
     args: &Design,
     ui: &Ui,
 ) -> Result<(), Error> {
-    let (first, last) = (state.history.first(), state.history.last());
-    let score =
-        |judged: Option<&edof_train::joint::Judged>| judged.map_or(f64::NAN, |judged| judged.score_db);
+    let first = state.history.first().map(|judged| judged.score_db);
+    let [first, best] = [first, state.best_db].map(|db| db.unwrap_or(f64::NAN));
     ui.say(format!(
-        "{} rounds in {seconds:.0} s: score {:.2} dB in the first, {:.2} dB in the last; the lens is in {}",
+        "{} rounds in {seconds:.0} s: score {first:.2} dB in the first, {best:.2} dB in the best; the lens is in {}",
         state.round,
-        score(first),
-        score(last),
         args.out.display()
     ))?;
     ui.say(format!("  start {}", lens_words(&values(&run.start))))?;
