@@ -21,8 +21,8 @@ pub fn tokens(circuit: &Circuit) -> TokenStream {
         let value = value_of(value);
         quote!(self.#name.d.next = #value;)
     });
-    let (at, file) = (circuit.name.span().unwrap(), circuit.name.span().unwrap().file());
-    let mark = format!("@ {file}:{} Reset.", at.start().line());
+    let at = clock.span().unwrap();
+    let mark = format!("@ {}:{} Reset.", at.file(), at.start().line());
     let reset = reset.as_ref().map(|reset| {
         quote! {
             assert!(true, #mark);

@@ -51,7 +51,7 @@ module base_ring #(
         read_vector_q <= read_vector_q + 3'd1;
       end
     end
-    // base_ring.rs:14: Reset.
+    // base_ring.rs:13: Reset.
     if (reset_i) begin
       write_q <= 1'b0;
       write_beat_q <= 7'd0;

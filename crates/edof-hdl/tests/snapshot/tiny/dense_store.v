@@ -99,7 +99,7 @@ module dense_store (
     set_2_q <= set_1_q;
     arrived_3_q <= arrived_2_q;
     set_3_q <= set_2_q;
-    // dense_store.rs:14: Reset.
+    // dense_store.rs:13: Reset.
     if (reset_i) begin
       full_q <= 3'd0;
       ready_q <= 1'b0;

@@ -100,7 +100,7 @@ module drain #(
     taken_beat_q <= beat_q;
     last_q <= beat_q == LAST_BEAT;
     set_q <= drain_set_q;
-    // drain.rs:15: Reset.
+    // drain.rs:14: Reset.
     if (reset_i) begin
       sum_ready_q <= 1'b0;
       open_q <= 2'd0;

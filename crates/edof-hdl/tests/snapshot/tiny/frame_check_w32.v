@@ -68,7 +68,7 @@ module frame_check_w32 #(
       latched_q <= 32'd0;
       latched_frames_q <= 8'd0;
     end
-    // frame_check.rs:12: Reset.
+    // frame_check.rs:11: Reset.
     if (reset_i) begin
       valid_q <= 1'b0;
       is_first_q <= 1'b1;

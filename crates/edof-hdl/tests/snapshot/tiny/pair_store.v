@@ -145,7 +145,7 @@ module pair_store #(
     arrived_3_q <= valid_2_q && last_2_q;
     count_3_q <= stored_next;
     set_3_q <= set_2_q;
-    // pair_store.rs:15: Reset.
+    // pair_store.rs:14: Reset.
     if (reset_i) begin
       full_q <= 3'd0;
       ready_q <= 1'b0;

@@ -119,7 +119,7 @@ module reader (
       if (crc_q[0] != word_q[0]) crc_q <= (crc_q >> 1) ^ POLYNOMIAL;
     end
     if (clear_crc_q) crc_q <= ONES;
-    // reader.rs:15: Reset.
+    // reader.rs:14: Reset.
     if (reset_i) begin
       is_active_q <= 1'b0;
       request_q <= 1'b0;

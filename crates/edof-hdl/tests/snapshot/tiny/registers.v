@@ -40,7 +40,7 @@ module registers #(
       else if (write_row_i == 12'd1) shifts_1_q <= write_data_i[19:0];
       else if (write_row_i == 12'd2) skip_q <= write_data_i[0];
     end
-    // registers.rs:12: Reset.
+    // registers.rs:11: Reset.
     if (reset_i) begin
       shifts_0_q <= start_first;
       shifts_1_q <= second;

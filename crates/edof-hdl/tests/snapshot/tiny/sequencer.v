@@ -145,7 +145,7 @@ module sequencer #(
       base_q <= job_row_q;
       is_last_q <= job_is_last_q;
     end
-    // sequencer.rs:13: Reset.
+    // sequencer.rs:12: Reset.
     if (reset_i) begin
       write_slot_q <= 2'd0;
       waiting_q <= 3'd0;

@@ -82,7 +82,7 @@ module window_guard (
     if (drop_q && valid_i && last_i) drop_q <= 1'b0;
     fault_q <= fault_q || short_q || long_q;
     if (reset_counters_i || snapshot_i) fault_q <= 1'b0;
-    // window_guard.rs:14: Reset.
+    // window_guard.rs:13: Reset.
     if (reset_i) begin
       beat_q <= 7'd0;
       at_end_q <= 1'b0;

@@ -76,7 +76,7 @@ module window_ring #(
       end
     end
     if (finished_i) oldest_q <= (oldest_q + 5'd1) & LAST_WINDOW;
-    // window_ring.rs:13: Reset.
+    // window_ring.rs:12: Reset.
     if (reset_i) begin
       write_q <= 1'b0;
       write_beat_q <= 7'd0;
