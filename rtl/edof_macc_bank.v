@@ -72,8 +72,11 @@ module edof_macc_bank #(
 
     // Rows and values on their way to the multipliers: word k of DENSE, else word a, and word b.
     wire [64*ROWS-1:0] rows;
-    (* keep = "true", dont_touch = "true" *) reg [25*ROWS-1:0] value_q;
-    `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) value_q <= value_i;
+    // Bit 0 is stored above the others. Otherwise the bits of a sign are at the register's top, where Yosys makes one of them; the
+    // multiplier is narrower then, and its sum is not packed into the DSP.
+    (* keep = "true", dont_touch = "true" *) reg [25*ROWS-1:0] rotated_q;
+    `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) rotated_q <= {value_i[0], value_i[25*ROWS-1:1]};
+    wire [25*ROWS-1:0] value_q = {rotated_q[25*ROWS-2:0], rotated_q[25*ROWS-1]};
     (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg first_q;
     `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) first_q <= first_i;
 

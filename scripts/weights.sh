@@ -57,18 +57,18 @@ for line in "${networks[@]}"; do
     wanted "$name" "$@" || continue
     begun=$SECONDS
     # What both rounds have in common, after their start.
-    common="--camera $camera --tone $tone --leave-out $held_back"
+    common="--camera $camera --tone $tone"
     out=weights/$name.safetensors
     say "$name: training"
     if [[ $start =~ ^[0-9,]+$ ]]; then
         [ -z "${second_options// /}" ] || out=$first/$name.safetensors
         # shellcheck disable=SC2046,SC2086 # options are several words
         [ "$out" != "weights/$name.safetensors" ] && [ -e "$out" ] ||
-            "$edof" train --form "$form" $common --seed "$start" $first_options --out "$out" $(resume "$out") --force
+            "$edof" train --form "$form" $common --leave-out "$held_back" --seed "$start" $first_options --out "$out" $(resume "$out") --force
         start=$out
     fi
     # shellcheck disable=SC2046,SC2086
-    [ -z "${second_options// /}" ] || "$edof" train --from "$start" $common $second_options \
+    [ -z "${second_options// /}" ] || "$edof" train --from "$start" $common --leave-out "$held_back" $second_options \
         --out "weights/$name.safetensors" $(resume "weights/$name.safetensors") --force
     say "$name: quantizing"
     "$edof" quantize "weights/$name.safetensors" --images "$calibration" --out "weights/$name.fixed.safetensors" --force

@@ -104,11 +104,13 @@ fn a_lens_is_searched_through_a_network_from_a_camera_or_at_random() {
     std::fs::create_dir(place.path("photos")).unwrap();
     place.photo("photos/a.png", 320, 288);
     place.float_network("net.safetensors");
-    let line = "optics design --through net.safetensors --images photos --photos all --rounds 2 --steps 4 --windows 8 --json";
+    let line =
+        "optics design --through net.safetensors --images photos --photos all --steps 4 --windows 8 --json";
     for (start, rings) in
         [("--camera ring-2018", 1), ("--camera clear-mid", 0), ("--random --rings 3 --seed 4", 3)]
     {
-        let report = json(&place.edof(&format!("{line} {start} --out mine.json --force")).done().out);
+        let report =
+            json(&place.edof(&format!("{line} --rounds 2 {start} --out mine.json --force")).done().out);
         let camera = Camera::resolve(place.path("mine.json").to_str().unwrap()).unwrap();
         assert_eq!((camera.name.as_str(), camera.rings.len()), ("mine", rings));
         assert_eq!(report["history"].as_array().unwrap().len(), 2);

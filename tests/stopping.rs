@@ -66,7 +66,9 @@ fn every_command_stops_when_asked() {
 #[test]
 fn a_stopped_search_of_lens_and_network_resumes_and_ends_with_the_same_lens() {
     let place = ready();
-    ["small", "whole"].map(|folder| std::fs::create_dir(place.path(folder)).unwrap());
+    for folder in ["small", "whole"] {
+        std::fs::create_dir(place.path(folder)).unwrap();
+    }
     place.photo("small/a.png", 320, 288);
     let line = "optics design --through net.safetensors --camera ring-2018 --images small --photos all --rounds 5 --steps 30 --windows 8";
     place.edof(&format!("{line} --out whole/lens.json")).done();

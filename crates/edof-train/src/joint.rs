@@ -66,7 +66,7 @@ pub struct JointState {
     pub camera: Camera,
     /// The best lens so far; the next one is a step from it.
     pub best: Camera,
-    /// Its score.
+    /// Score of the best lens in dB.
     pub best_db: Option<f64>,
     /// The step from it for each parameter, at a length of 1.
     pub direction: Vec<f64>,

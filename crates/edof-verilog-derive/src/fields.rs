@@ -1,6 +1,5 @@
 //! What the struct says: its fields, their documentation, and which of them start by themselves.
 
-use crate::registers::Registers;
 use syn::{
     Attribute, Data, DeriveInput, Expr, ExprLit, Field, Fields, Generics, Ident, Lit, Meta, Type, Visibility,
 };
@@ -18,6 +17,12 @@ pub struct Circuit<'a> {
     pub role: Option<Ident>,
     /// What clocks and resets the registers, where the kernel does not.
     pub registers: Option<Registers>,
+}
+
+/// `#[circuit(registers(clock, reset))]`: the clock of the registers, and what resets them.
+pub struct Registers {
+    pub clock: Ident,
+    pub reset: Option<Ident>,
 }
 
 /// One of its fields.

@@ -1,15 +1,9 @@
 //! The registers of a circuit: connected, held and reset by what their fields say.
 
-use crate::fields::Circuit;
-use proc_macro2::{Ident, TokenStream};
+use crate::fields::{Circuit, Registers};
+use proc_macro2::TokenStream;
 use quote::quote;
 use syn::{Expr, Lit};
-
-/// `#[circuit(registers(clock, reset))]`: the clock of the registers, and what resets them.
-pub struct Registers {
-    pub clock: Ident,
-    pub reset: Option<Ident>,
-}
 
 /// What runs before the kernel and after it, as kernels of their own.
 pub fn tokens(circuit: &Circuit) -> TokenStream {

@@ -28,8 +28,8 @@ const WINDOW: usize = 12;
 #[command(after_help = "\
 Examples:
   edof study aperture --stops 0,1 --psi-ranges 8 --cameras cameras
-  edof train --form edof-t4w12 --camera cameras/coded-8.json --tone srgb --gain 1:10 --out nets/coded-8-bright.safetensors
-  edof train --form edof-t4w12 --camera cameras/clear-1-8.json --tone srgb --gain 2:20 --out nets/clear-1-8-bright.safetensors
+  edof train --form edof-t4w12 --camera cameras/coded-8.json --gain 1:10 --out nets/a.safetensors
+  edof train --form edof-t4w12 --camera cameras/clear-1-8.json --gain 2:20 --out nets/b.safetensors
   edof study aperture-networks --networks nets --rows rows.jsonl --report networks.html")]
 pub struct Args {
     /// Folder of weight files, trained for the coded lens and for its clear lens at apertures of --stops
