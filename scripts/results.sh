@@ -175,14 +175,16 @@ bits() { is_made docs/results/bits.md || "$edof" study bits $(pages bits) --forc
 # shellcheck disable=SC2046
 stability() { is_made docs/results/stability.md || "$edof" study stability $(pages stability) --force; }
 
-# A network of the default form by the short recipe (8,000 steps, seed 1), unless it is there: short_network FILE OPTIONS...
+# A network of the default form by the short recipe (8,000 steps, seed 1), unless it is there. Besides the photographs that are held back it may
+# leave out others, as in ",more05": short_network FILE OTHERS OPTIONS...
 short_network() {
-    local file=$1 part=${1%.safetensors}.part.safetensors
-    shift
+    local file=$1 part=${1%.safetensors}.part.safetensors others=$2
+    shift 2
     [ ! -e "$file" ] || return 0
     say "$file"
     # shellcheck disable=SC2046
-    "$edof" train --form edof-t4w12 --steps 8000 --seed 1 "$@" --name "$(basename "$file" .safetensors)" --out "$part" $(resume "$part") --force
+    "$edof" train --form edof-t4w12 --steps 8000 --seed 1 --leave-out "$held_back""$others" "$@" --name "$(basename "$file" .safetensors)" \
+        --out "$part" $(resume "$part") --force
     mv "$part" "$file"
 }
 
@@ -209,8 +211,7 @@ aperture_networks() {
             gain = least * (parts == 3 ? 2 ^ part[2] : 1)
             print gain ":" 10 * gain
         }')
-        short_network "$folder/$name.safetensors" --camera "$folder/cameras/$lens.json" --tone srgb --gain "$gain" --noiseless 1000000 \
-            --leave-out "$held_back" --no-cache
+        short_network "$folder/$name.safetensors" "" --camera "$folder/cameras/$lens.json" --tone srgb --gain "$gain" --noiseless 1000000 --no-cache
     done
     "$edof" study aperture-networks --networks "$folder" $(rows aperture-networks) $(pages aperture-networks)
 }
@@ -236,8 +237,8 @@ colour_training() {
     for fold in "${folds[@]}"; do
         nets=$trained/colour/$fold
         mkdir -p "$nets"
-        short_network "$nets/plain.safetensors" --camera ring-outer --tone linear --leave-out "$held_back,$fold"
-        short_network "$nets/copies.safetensors" --camera ring-outer --tone linear --leave-out "$held_back,$fold" --variants 2
+        short_network "$nets/plain.safetensors" ",$fold" --camera ring-outer --tone linear
+        short_network "$nets/copies.safetensors" ",$fold" --camera ring-outer --tone linear --variants 2
         "$edof" "${plain_study[@]}" --nets "$nets/plain.safetensors,$nets/copies.safetensors" --images "$more" --photos "${fold//more/}" \
             --rows "$folder/fold-$fold.jsonl" > /dev/null
     done

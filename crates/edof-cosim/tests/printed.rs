@@ -109,9 +109,9 @@ fn blocks_name_the_rust_line_that_they_come_from() {
             let is_statement =
                 ["self.", "if ", "for ", "match ", "dff_setup"].iter().any(|word| code.starts_with(word));
             let is_link = code.contains("::link") || code.contains("::join");
-            // Resets come from the attributes of the struct.
-            let is_reset = code.contains("registers(") && (line.contains("reset") || line.contains(" <= "));
-            let is_reset = is_reset || code.contains("registers(") && line.trim() == "end";
+            // Resets come from an attribute of the struct.
+            let resets = ["Reset.", "reset", " <= "].iter().any(|word| line.contains(word));
+            let is_reset = code.contains("registers(") && (resets || line.trim() == "end");
             assert!(is_statement || is_link || is_reset, "{}: {line}: line {place} is {code}", module.name);
         }
         assert!(module.source.lines.iter().any(Option::is_some), "{}", module.name);

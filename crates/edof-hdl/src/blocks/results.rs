@@ -243,8 +243,8 @@ impl Logic for Results {
         self.shrink_even.threshold.next = self.thresholds.read_data.val().get_bits::<16>(0);
         self.shrink_odd.code.next = self.requantize_odd.result.val();
         self.shrink_odd.threshold.next = self.thresholds.read_data.val().get_bits::<16>(16);
-        self.code_flags.data.next = (bit_cast::<2, 1>(self.shrink_odd.saturated.val().into()) << 1)
-            | bit_cast::<2, 1>(self.shrink_even.saturated.val().into());
+        self.code_flags.data.next = (bit_cast::<2, 1>(self.shrink_odd.saturated.val()) << 1)
+            | bit_cast::<2, 1>(self.shrink_even.saturated.val());
         self.code_saturated.next = self.code_flags.delayed.val();
         self.code.next = (bit_cast::<32, 16>(self.shrink_odd.result.val()) << 16)
             | bit_cast::<32, 16>(self.shrink_even.result.val());
