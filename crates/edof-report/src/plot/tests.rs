@@ -83,7 +83,7 @@ fn a_name_left_of_its_point_ends_at_it_whatever_the_font() {
 #[test]
 fn a_name_is_right_of_its_point_wherever_there_is_room() {
     // Places whose sums of fractions differ by rounding.
-    let points = (0..60).map(|i| [0.37 + 1.618_034 * f64::from(i % 6), 0.11 + 2.718_282 * f64::from(i)]);
+    let points = (0..60).map(|i| [0.37 + 1.617_3 * f64::from(i % 6), 0.11 + 2.731_7 * f64::from(i)]);
     for point in points {
         let plot = Plot {
             series: vec![Series::new("fista-known", Mark::Points, [point]).named_at_points()],
