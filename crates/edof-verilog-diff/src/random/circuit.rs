@@ -202,7 +202,9 @@ impl Logic for Circuit {
         self.y.next = self.value(&plan.outputs[1]);
         if self.reset.val() {
             self.registers.iter_mut().for_each(|register| register.d.next = 0.into());
-            self.memories.iter_mut().for_each(|memory| memory.enable.next = 0.into());
+            for memory in &mut self.memories {
+                (memory.at.next, memory.enable.next) = (0.into(), 0.into());
+            }
         }
     }
 
@@ -254,8 +256,9 @@ impl Logic for Circuit {
         block.push(assign("y".into(), plan.outputs[1].source()));
         let zero = || Source::Literal(0_u64.into());
         let registers = (0..plan.registers).map(|n| format!("registers${n}$d"));
-        // What registers hold before the reset must not come into a memory.
-        let memories = (0..plan.memories.len()).map(|n| format!("memories${n}$enable"));
+        // What registers hold before the reset must come neither into a memory nor, as an address that follows from what was read, out of it.
+        let memories =
+            (0..plan.memories.len()).flat_map(|n| ["at", "enable"].map(|pin| format!("memories${n}${pin}")));
         let then = registers.chain(memories).map(|target| assign(target, zero())).collect();
         block.push(VerilogStatement::If(VerilogConditional {
             test: name("reset"),
