@@ -4,9 +4,11 @@ use crate::failure::{Failure, Known, Simulator};
 use edof_verilog::{Direction, Emitted, Port};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::fs;
+use std::fs::{self, File};
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// A design in a simulator.
@@ -16,6 +18,10 @@ pub struct Bench {
     inputs: Vec<Port>,
     outputs: Vec<Port>,
 }
+
+/// After which a compilation or a simulation has failed: a simulator does not come to rest where a text has a loop.
+const LIMIT: Duration = Duration::from_secs(600);
+const POLL: Duration = Duration::from_millis(5);
 
 /// Rows that a bench takes at most.
 const MAX_ROWS: usize = 1 << 16;
@@ -64,14 +70,32 @@ impl Bench {
         Ok(lines.into_iter().map(|line| self.parse(line)).collect())
     }
 
+    /// What a program prints, if it ends well and in time.
     fn command(&self, command: &mut Command) -> Result<String, Failure> {
-        let done = command.current_dir(self.folder.path()).output();
-        let done = done.map_err(|error| Failure::tool(self.simulator, &error.to_string()))?;
-        let printed = String::from_utf8_lossy(&done.stdout).into_owned();
-        if done.status.success() {
+        let failed = |error: std::io::Error| Failure::tool(self.simulator, &error.to_string());
+        let [out, err] = ["out.txt", "err.txt"].map(|name| self.folder.path().join(name));
+        command.current_dir(self.folder.path()).stdin(Stdio::null());
+        command.stdout(File::create(&out).map_err(failed)?).stderr(File::create(&err).map_err(failed)?);
+        let mut child = command.spawn().map_err(failed)?;
+        let begun = Instant::now();
+        let status = loop {
+            if let Some(status) = child.try_wait().map_err(failed)? {
+                break status;
+            }
+            if begun.elapsed() > LIMIT {
+                child.kill().and_then(|()| child.wait()).map_err(failed)?;
+                let seconds = LIMIT.as_secs();
+                let why = format!("no end after {seconds} s; values may change for ever within one moment");
+                return Err(Failure::tool(self.simulator, &why));
+            }
+            sleep(POLL);
+        };
+        let read = |path| fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+        let printed = read(&out).map_err(failed)?;
+        if status.success() {
             return Ok(printed);
         }
-        Err(Failure::tool(self.simulator, &format!("{printed}{}", String::from_utf8_lossy(&done.stderr))))
+        Err(Failure::tool(self.simulator, &(printed + &read(&err).map_err(failed)?)))
     }
 
     /// The bench: rows from a file, outputs printed before each edge.

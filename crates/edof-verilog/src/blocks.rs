@@ -9,6 +9,7 @@ use std::collections::BTreeSet;
 use crate::cycles::{Path, keep, loops, paths};
 use crate::expression::Node;
 use crate::process::{Origin, Process};
+use crate::quiet::{sorted, wakes};
 use crate::scope::{Scope, SignalId};
 use crate::simplify::without_dead;
 
@@ -19,14 +20,23 @@ pub(crate) fn join(
     blocks: &[Process],
     edges: &[Path],
 ) -> Vec<Process> {
-    let mut joining = Joining { scope, paths: sorted(paths(scope, edges)), edges: edges.to_vec() };
+    let together = processes.iter().filter(|process| process.is_combinational() && process.targets.len() > 1);
+    let edges: Vec<Path> = edges.iter().copied().chain(together.flat_map(wakes)).collect();
+    let mut joining = Joining { scope, paths: sorted(paths(scope, &edges)), edges };
     let mut joined: Vec<Process> = vec![];
     for process in processes {
+        let block = blocks.iter().find(|block| block.origin == process.origin);
+        // What has copies of signals stays as it is.
+        let is_part =
+            |process: &Process| block.is_some_and(|block| process.targets.is_subset(&block.targets));
         let candidate = joined.iter().position(|other| {
             let same = other.origin == process.origin && other.is_combinational();
-            same && is_choice(other) && is_choice(&process) && (is_block(other) || is_block(&process))
+            let parts = is_part(other) && is_part(&process);
+            same && parts
+                && is_choice(other)
+                && is_choice(&process)
+                && (is_block(other) || is_block(&process))
         });
-        let block = blocks.iter().find(|block| block.origin == process.origin);
         match (candidate, block) {
             (Some(at), Some(block)) => match joining.join(&joined[at], &process, block) {
                 Some(both) => joined[at] = both,
@@ -62,9 +72,7 @@ impl Joining<'_> {
         }
         let both = Process::of(statements, Origin::Block(0));
         let both = Process { origin: one.origin, ..both };
-        let reads = both.reads.difference(&both.targets);
-        let across = reads.flat_map(|read| both.targets.iter().map(move |target| (*read, *target)));
-        let edges: Vec<Path> = self.edges.iter().copied().chain(across).collect();
+        let edges: Vec<Path> = self.edges.iter().copied().chain(wakes(&both)).collect();
         let adds_none = loops(self.scope.signals.len(), &edges).is_empty()
             && sorted(paths(self.scope, &edges)) == self.paths;
         adds_none.then(|| {
@@ -72,9 +80,4 @@ impl Joining<'_> {
             both
         })
     }
-}
-
-fn sorted(mut paths: Vec<Path>) -> Vec<Path> {
-    paths.sort_unstable();
-    paths
 }

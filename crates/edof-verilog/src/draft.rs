@@ -50,12 +50,12 @@ pub(crate) fn draft(
         Verilog::Combinatorial(kernel) => kernel,
         other => return Err(EmitError::block(&tree.path, Fault::NotAKernel(what(other)))),
     };
-    let scope = Scope::of(tree)?;
+    let mut scope = Scope::of(tree)?;
     let statements = kernel::lower(&scope, kernel)?;
     flow::check(&scope, &statements)?;
     let source = source_of(&statements).unwrap_or_else(|| description.source.into());
     let paths = paths_of_parts(&scope, kinds);
-    let Logic { blocks, processes } = Logic::of(&scope, statements, &paths, style)?;
+    let Logic { blocks, processes } = Logic::of(&mut scope, statements, &paths, style)?;
     let (processes, live) = live::prune(&scope, processes, &dropped(&scope, kinds));
     let edges: Vec<Path> = cycles::signal_edges(&scope, &processes).into_iter().chain(paths).collect();
     let paths = cycles::paths(&scope, &edges);
@@ -117,7 +117,7 @@ struct Logic {
 
 impl Logic {
     fn of(
-        scope: &Scope,
+        scope: &mut Scope,
         statements: Vec<Statement>,
         paths: &[Path],
         style: Style,

@@ -59,6 +59,7 @@ mod order;
 mod parameters;
 mod print;
 mod process;
+mod quiet;
 mod scope;
 mod settle;
 mod sheet;
