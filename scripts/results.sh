@@ -70,12 +70,15 @@ nets[srgb]=${nets[linear]},edof-t4w12-light,edof-t4w12-outer-light,edof-t4w12-cl
 by_noise() { echo "edof-t4w12-$1-low+edof-t4w12-$1-mid+edof-t4w12-$1-high"; }
 classes=$(by_noise outer),$(by_noise clear)
 nets[linear]+=,$classes
+# Of light by the sensor's gain: low below 4, dark from 24.
+by_gain() { echo "edof-t4w12-$1-light-low+edof-t4w12-$1-light-high+edof-t4w12-$1-light-dark"; }
+nets[srgb]+=,$(by_gain outer),$(by_gain clear)
 
 # Quotes a page's first table between a document's marks, without SSIM: demosaicing and the networks in fixed point, for each of the two lenses; those
 # by noise alone, where the page has them.
 quote() {
     local kinds='(-light)?'
-    ! grep -q -e '-by-noise\.fixed' "$2" || kinds=-by-noise
+    ! grep -q -e '-by-noise\.fixed' "$2" || kinds='(-light)?-by-noise'
     awk -v page="$2" -v start="<!-- rows: $2 -->" -v kept_methods="^ (demosaic-malvar|edof-t4w12-(outer|clear)$kinds[.]fixed) \$" '
         $0 == start {
             print

@@ -7,7 +7,7 @@
 # A network of two rounds is the best of its seeds, which goes on with a schedule of its own in which all windows weigh alike. Classes of noise (0005) go on from
 # their own first round, or, for light, from the network for all light; the recipe is that of both lenses. The files in weights/ whose tone
 # is linear and which are no class are from before the recipe changed (0005) and before photographs were held back; the others are of this
-# script. Of the class mid they are after its first round, and there are none yet of light's classes.
+# script.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
