@@ -9,7 +9,6 @@ use crate::error::{EmitError, Fault, rust_path};
 use crate::expression::{Expression, Node};
 use crate::kernel::{Arm, Statement};
 use crate::process::{Process, in_order};
-use crate::quiet::quieten;
 use crate::scope::{Role, Scope, SignalId};
 use crate::settle::unsettled;
 
@@ -20,16 +19,12 @@ pub(crate) type Path = (SignalId, SignalId);
 pub(crate) type Sources = BTreeMap<SignalId, BTreeSet<SignalId>>;
 
 /// One process for each target; rejects loops of signals. `paths` lead through parts.
-pub(crate) fn cut(
-    scope: &mut Scope,
-    processes: Vec<Process>,
-    paths: &[Path],
-) -> Result<Vec<Process>, EmitError> {
+pub(crate) fn cut(scope: &Scope, processes: Vec<Process>, paths: &[Path]) -> Result<Vec<Process>, EmitError> {
     let count = scope.signals.len();
     let cut: Vec<Process> = processes.into_iter().flat_map(|process| by_target(scope, process)).collect();
     let edges: Vec<Path> = signal_edges(scope, &cut).into_iter().chain(paths.iter().copied()).collect();
     let looping = loops(count, &edges);
-    let Some(first) = looping.first() else { return Ok(quieten(scope, cut, edges)) };
+    let Some(first) = looping.first() else { return Ok(cut) };
     let around = looping.iter().map(|id| rust_path(&scope.signals[*id].key)).collect::<Vec<_>>().join(", ");
     Err(EmitError::field(&scope.path, &scope.signals[*first].key, Fault::Cycle(around)))
 }

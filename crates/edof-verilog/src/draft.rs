@@ -15,6 +15,7 @@ use crate::kind::{Kind, pins_of};
 use crate::names::Names;
 use crate::print::Printer;
 use crate::process::{self, Process};
+use crate::quiet::quieten;
 use crate::scope::{Part, Role, Scope, SignalId};
 use crate::sheet::Sheet;
 use crate::single::{plain, single_elements};
@@ -131,8 +132,8 @@ impl Logic {
             Style::Literal => (statements, None),
         };
         let blocks: Vec<Process> = process::split(scope, statements)?.into_iter().map(tidy).collect();
-        let cut = cycles::cut(scope, blocks.clone(), paths)?.into_iter().map(tidy);
-        let simple = cut.map(|process| tidy(simplify::simplify(scope, process)));
+        let cut = quieten(scope, cycles::cut(scope, blocks.clone(), paths)?, paths);
+        let simple = cut.into_iter().map(tidy).map(|process| tidy(simplify::simplify(scope, process)));
         let processes = simple.chain(edge.map(tidy)).collect();
         Ok(Self { blocks, processes })
     }

@@ -7,15 +7,17 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::cycles::{Path, keep, loops, paths};
+use crate::cycles::{Path, keep, loops, paths, signal_edges};
 use crate::expression::{Expression, Node};
 use crate::kernel::{Arm, Statement};
 use crate::process::Process;
 use crate::scope::{Role, Scope, Signal, SignalId};
 use crate::settle::unsettled;
 
-/// The processes, of which those that would wake themselves are cut. `edges` lead from every signal to those that follow it directly.
-pub(crate) fn quieten(scope: &mut Scope, processes: Vec<Process>, mut edges: Vec<Path>) -> Vec<Process> {
+/// The processes, of which those that would wake themselves are cut. `through` lead through parts.
+pub(crate) fn quieten(scope: &mut Scope, processes: Vec<Process>, through: &[Path]) -> Vec<Process> {
+    let mut edges = signal_edges(scope, &processes);
+    edges.extend(through);
     let before = sorted(paths(scope, &edges));
     let mut quiet = vec![];
     for process in processes {
