@@ -7,11 +7,12 @@ use crate::ui;
 use edof_cosim::tool;
 use edof_storage::atomic;
 use std::ops::ControlFlow;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 static STOP: AtomicBool = AtomicBool::new(false);
+static KEPT: Mutex<Option<String>> = Mutex::new(None);
 
 /// How long work may take to come to its next look, for instance to write a checkpoint.
 const GRACE: Duration = Duration::from_millis(500);
@@ -35,9 +36,17 @@ pub fn install() -> Result<(), Error> {
     Ok(())
 }
 
+/// What is kept of the work, and how to continue: said where the work itself cannot say it any more.
+pub fn keeps(words: Option<String>) {
+    *KEPT.lock().unwrap_or_else(PoisonError::into_inner) = words;
+}
+
 fn end() {
     tool::stop_all();
     atomic::abandon();
+    if let Some(words) = KEPT.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        ui::note(&words);
+    }
     ui::failure(&Error::Interrupted);
     std::process::exit(Error::Interrupted.exit_code().into());
 }

@@ -126,10 +126,7 @@ impl Ui {
 
     /// A remark besides the results, for example a skipped photograph; on standard error.
     pub fn note(&self, line: impl Display) {
-        match in_data() {
-            true => data_line(&serde_json::json!({ "note": line.to_string() })),
-            false => last_line(&line.to_string()),
-        }
+        note(&line.to_string());
     }
 
     /// The result as data, with its provenance: printed or written if `--json` was given, else nothing. Call it once a command.
@@ -365,6 +362,14 @@ pub fn failure(error: &Error) {
     match in_data() {
         true => data_line(&serde_json::json!({ "error": error.to_string() })),
         false => last_line(&format!("edof: {error}")),
+    }
+}
+
+/// A remark besides the results; on standard error.
+pub fn note(line: &str) {
+    match in_data() {
+        true => data_line(&serde_json::json!({ "note": line })),
+        false => last_line(line),
     }
 }
 

@@ -119,6 +119,7 @@ pub(super) fn design(args: &Design, name: &str, ui: &Ui) -> Result<(), Error> {
     camera.source = args.through_source(name, &run.start);
     edof_storage::atomic::write(&args.out, camera.to_json().as_bytes())?;
     let _ = std::fs::remove_file(&file);
+    interrupt::keeps(None);
     tell(&camera, &run, &state, begun.elapsed().as_secs_f64(), args, ui)
 }
 
@@ -136,20 +137,21 @@ fn search(
     while state.round < run.joint.rounds {
         let whole = run.joint.round(&frames, state, interrupt::flow).map_err(|error| words(error, chosen))?;
         if !whole {
-            ui.note(format!(
-                "{}: checkpoint after round {}; continue with --resume",
-                file.display(),
-                state.round
-            ));
+            ui.note(kept(file, state));
             return Err(Error::Interrupted);
         }
         save(file, run, state)?;
+        interrupt::keeps(Some(kept(file, state)));
         bar.set(state.round.into());
         if let Some(judged) = state.history.last() {
             bar.message(format!("{:.3} dB, lens {}", judged.score_db, lens_words(&judged.lens)));
         }
     }
     Ok(())
+}
+
+fn kept(file: &Path, state: &JointState) -> String {
+    format!("{}: checkpoint after round {}; continue with --resume", file.display(), state.round)
 }
 
 fn tell(
