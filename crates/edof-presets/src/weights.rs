@@ -173,7 +173,14 @@ fn find(name_or_path: &str, suffix: &str) -> Result<(PathBuf, Vec<u8>), PresetEr
         input::check(&named)
             .map_err(|source| weight_file::WeightFileError::Read { path: named.clone(), source })?;
     }
-    Err(PresetError::NoWeights { name: name_or_path.into(), under, own: names().join(", ") })
+    Err(PresetError::NoWeights { name: name_or_path.into(), under, own: in_short() })
+}
+
+/// The same names, less those of classes of noise, which are many.
+fn in_short() -> String {
+    let is_class = |name: &str| ["-low", "-mid", "-high", "-dark"].iter().any(|class| name.ends_with(class));
+    let general: Vec<&str> = names().into_iter().filter(|name| !is_class(name)).collect();
+    format!("{}, and their classes of noise", general.join(", "))
 }
 
 /// Names of the networks inside the program.
