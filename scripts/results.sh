@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Remakes every table and figure of docs/results, docs/figures and README.md: scripts/results.sh [PART]...; without arguments all parts.
-#   linear srgb   docs/results/kodak-TONE.*, some rows of each into README.md or docs/results.md (a few minutes each on two cores)
+#   linear srgb   docs/results/kodak-TONE.*, some rows of each into README.md or docs/results.md (5 and 20 minutes on two cores)
 #   held-back     docs/results/held-back.*: coded and clear lens on the eight photographs that scripts/held-back.sh names (3 minutes)
 #   held-back-colourful   the same on the four of them whose colours differ most (2 minutes)
 #   speed         docs/results/single-depth.*, docs/figures/speed.svg                   (25 minutes)

@@ -176,7 +176,7 @@ fn find(name_or_path: &str, suffix: &str) -> Result<(PathBuf, Vec<u8>), PresetEr
     Err(PresetError::NoWeights { name: name_or_path.into(), under, own: in_short() })
 }
 
-/// The same names, less those of classes of noise, which are many.
+/// Names of the networks inside the program, without those for one class of noise.
 fn in_short() -> String {
     let is_class = |name: &str| ["-low", "-mid", "-high", "-dark"].iter().any(|class| name.ends_with(class));
     let general: Vec<&str> = names().into_iter().filter(|name| !is_class(name)).collect();
