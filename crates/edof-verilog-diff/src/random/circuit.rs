@@ -9,6 +9,7 @@ use rust_hdl::prelude::ast::{
     VerilogBlockOrConditional as Otherwise, VerilogConditional, VerilogExpression as Source, VerilogStatement,
 };
 use rust_hdl::prelude::*;
+use std::sync::Arc;
 
 type Byte = Bits<8>;
 
@@ -77,7 +78,7 @@ pub struct Circuit {
     locals: Vec<Signal<Local, Byte>>,
     parts: Vec<Circuit>,
     memories: Vec<Memory>,
-    _plan: Plan,
+    _plan: Arc<Plan>,
     _name: String,
 }
 
@@ -91,7 +92,7 @@ impl Circuit {
             locals: (0..plan.locals).map(|_| Signal::default()).collect(),
             parts: plan.parts.iter().map(Self::new).collect(),
             memories: plan.memories.iter().map(memory).collect(),
-            _plan: plan.clone(),
+            _plan: Arc::new(plan.clone()),
             _name: plan.name.clone(),
         })
     }
@@ -179,7 +180,7 @@ impl Circuit {
 
 impl Logic for Circuit {
     fn update(&mut self) {
-        let plan = self._plan.clone();
+        let plan = Arc::clone(&self._plan);
         for register in &mut self.registers {
             register.clock.next = self.clock.val();
             register.d.next = register.q.val();
