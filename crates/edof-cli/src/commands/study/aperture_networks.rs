@@ -83,14 +83,15 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 
 /// Weight files of a folder, in the order of their names, without those in fixed point.
 fn networks_in(folder: &Path) -> Result<Vec<String>, Error> {
-    let wrong = |why: String| Error::message(format!("--networks {}: {why}", folder.display()));
-    let entries = std::fs::read_dir(folder).map_err(|e| wrong(e.to_string()))?;
+    const EXPECTED: &str = "expected a folder with NAME.safetensors of edof train";
+    let wrong = |why: String| Error::message(format!("--networks {}: {why}, {EXPECTED}", folder.display()));
+    let entries = std::fs::read_dir(folder).map_err(|e| wrong(format!("cannot be read: {e}")))?;
     let names = entries.flatten().map(|entry| entry.path().to_string_lossy().into_owned());
     let is_float = |name: &String| name.ends_with(".safetensors") && !name.ends_with(".fixed.safetensors");
     let mut names: Vec<String> = names.filter(is_float).collect();
     names.sort();
     if names.is_empty() {
-        return Err(wrong("has no weight files, expected NAME.safetensors of edof train".to_owned()));
+        return Err(wrong("has no weight files".to_owned()));
     }
     Ok(names)
 }
