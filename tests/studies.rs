@@ -472,7 +472,10 @@ fn networks_of_smaller_apertures_are_compared_on_photographs() {
             "--networks photos",
             "--networks photos: has no weight files, expected NAME.safetensors of edof train",
         ),
-        ("--networks nowhere", "--networks nowhere: cannot be read: No such file or directory, expected a folder with"),
+        (
+            "--networks nowhere",
+            "--networks nowhere: cannot be read: No such file or directory, expected a folder with",
+        ),
         ("--networks nets --stops 0", "network 'clear-1-4': was trained for camera clear-1-4, expected"),
         ("--networks nets --electrons 0", "--electrons 0: must be from 1 to 1000000000"),
     ] {

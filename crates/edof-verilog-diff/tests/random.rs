@@ -144,20 +144,21 @@ impl Logic for Batch {
     }
 }
 
-/// Random circuits without a loop; those with one must be rejected.
+/// Random circuits that the backend accepts. What it rejects has a loop. A circuit with a loop may be accepted where a number breaks the loop, as
+/// in `x | 255`: it is compared like all others, and with a loop in its Verilog it would be unknown in Icarus.
 fn plans(random: &mut Random) -> Vec<Plan> {
     let mut plans = vec![];
     while plans.len() < 24 {
         let plan = Plan::drawn(random, 2, &format!("n{}", plans.len()));
         let mut circuit = Circuit::new(&plan);
         circuit.connect_all();
-        match (emit(&circuit), plan.loops()) {
-            (Ok(_), false) => plans.push(plan),
+        match emit(&circuit) {
+            Ok(_) => plans.push(plan),
             // A choice that hangs on numbers alone.
-            (Err(error), _) if error.fault == Fault::Constant => {}
-            (Err(error), true) => assert!(matches!(error.fault, Fault::Cycle(_)), "{error}"),
-            (Ok(_), true) => panic!("a loop is not rejected: {plan:?}"),
-            (Err(error), false) => panic!("{error}: {plan:?}"),
+            Err(error) if error.fault == Fault::Constant => {}
+            Err(error) => {
+                assert!(plan.loops() && matches!(error.fault, Fault::Cycle(_)), "{error}: {plan:?}")
+            }
         }
     }
     plans
@@ -231,7 +232,7 @@ fn random_circuits_mean_what_rust_means() {
 }
 
 #[test]
-#[ignore = "an hour: scripts/soak.sh"]
+#[ignore = "ten minutes: scripts/soak.sh"]
 fn ten_thousand_random_circuits_mean_what_rust_means() {
     // Verilator's compiler takes most of the time: every tenth batch of 24 circuits.
     let batch = |seed| {

@@ -62,7 +62,8 @@ impl Plan {
         [of(&self.outputs[0]), of(&self.outputs[1])]
     }
 
-    /// Whether the plan, or a part of it, has a loop without a register: exactly then the backend rejects the circuit.
+    /// Whether the plan, or a part of it, has a loop without a register: only then does the backend reject the circuit, unless a number breaks the
+    /// loop, as in `x | 255`.
     #[must_use]
     pub fn loops(&self) -> bool {
         let sources = self.sources();
