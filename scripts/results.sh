@@ -20,6 +20,7 @@
 #   ablations     docs/results/ablations.md: short trainings by the recipe with one change each  (25 minutes)
 #   classes       docs/results/classes.md: short trainings for classes of noise, of all weights and of the thresholds alone  (10 minutes)
 #   joint         docs/results/joint.md: lenses searched together with a network, and short trainings for each  (25 minutes)
+#   bound         docs/results/bound.*: networks for one noise alone, of the default's form and of one with twice its cost  (25 minutes)
 #   figures       docs/figures: the paper's figure 1, the demo's overview               (2 minutes)
 # From a clean tree: every page states its revision. A run that was stopped goes on: rows and pages of this revision stay, those of another
 # one are made anew (git has the old ones). Reports are in out/. Photographs: $EDOF_KODAK, else ../shared/data/kodak; $EDOF_MORE, else
@@ -29,7 +30,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
-parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture aperture-networks colour-scenes colour-training colour tolerances forms ablations classes joint layers figures"
+parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture aperture-networks colour-scenes colour-training colour tolerances forms ablations classes joint bound layers figures"
 # shellcheck disable=SC2086 # parts are several words
 [ $# -gt 0 ] || set -- $parts
 for part in "$@"; do
@@ -352,6 +353,33 @@ joint() {
             $(resume "$folder/$name-$seed.safetensors") --force
     done
     python3 scripts/joint.py "$folder" "${lenses[@]}" > docs/results/joint.md
+}
+
+# A long training behind the coded lens for sigma = 0.01 alone, unless it is there: alone FILE OPTIONS...
+alone() {
+    local file=$1
+    shift
+    [ ! -e "$file" ] || return 0
+    say "$file"
+    # shellcheck disable=SC2046
+    "$edof" train --camera ring-outer --tone linear --noise 0.0099:0.0101 --seed 1 --leave-out "$held_back" "$@" --out "$file.part.safetensors" \
+        --name "$(basename "$file" .safetensors)" $(resume "$file.part.safetensors") --force
+    mv "$file.part.safetensors" "$file"
+}
+
+# What a network for one noise alone gains over that of its class, and what one with more layers and codes does.
+bound() {
+    local folder=$trained/bound free="--non-zeros none --lambda 3e-5"
+    mkdir -p "$folder"
+    alone "$folder/one-noise.safetensors" --from edof-t4w12-outer-mid --weighting mse --steps 80000
+    # shellcheck disable=SC2086 # options are several words
+    alone "$folder/larger-first-round.safetensors" --form one-sided,w12,t5,c256,r $free --steps 32000
+    # shellcheck disable=SC2086
+    alone "$folder/larger.safetensors" --from "$folder/larger-first-round.safetensors" $free --weighting mse --steps 80000
+    # shellcheck disable=SC2046
+    "$edof" study kodak --tone linear --psi 0,2,4,6,8 --noise 0.01 --stride 8 \
+        --nets "edof-t4w12-outer-mid,$folder/one-noise.safetensors,$folder/larger.safetensors" $(rows bound) $(pages bound)
+    rm -f docs/results/bound.json
 }
 
 # The paper's form with T = 3 to 10, one short training each (half the usual rate, at which T = 10 does not converge), quantized on drawn

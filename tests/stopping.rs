@@ -60,6 +60,7 @@ fn every_command_stops_when_asked() {
         let left: Vec<String> = place.files().into_iter().filter(|name| !before.contains(name)).collect();
         // Training must leave a checkpoint.
         assert!(left.iter().all(|name| name == "x.safetensors.checkpoint"), "{job}: {left:?}");
+        assert_eq!(left.is_empty(), !said.contains("continue with --resume"), "{job}: {said}");
     }
 }
 
@@ -90,6 +91,24 @@ fn a_stopped_search_of_lens_and_network_resumes_and_ends_with_the_same_lens() {
         ["whole/lens.json", "lens.json"].map(|name| std::fs::read(place.path(name)).unwrap());
     assert_eq!(whole, resumed);
     place.edof(&format!("{search} --force --resume")).refused(&["there is no checkpoint"]);
+}
+
+#[test]
+fn a_stopped_study_says_that_its_rows_are_kept() {
+    let place = ready();
+    let line = "study kodak --images photos --nets net.safetensors --psi 0,1,2,3,4,5,6,7,8 --rows rows.jsonl";
+    let mut child = place.command(line).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let rows = || std::fs::read_to_string(place.path("rows.jsonl")).unwrap_or_default().lines().count();
+    while rows() < 2 {
+        assert!(child.try_wait().unwrap().is_none(), "ended without a row");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    interrupt(&child);
+    let said = String::from_utf8(child.wait_with_output().unwrap().stderr).unwrap();
+    assert!(
+        said.contains("rows.jsonl: ") && said.contains("rows are kept; the same command continues"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -36,17 +36,22 @@ pub fn install() -> Result<(), Error> {
     Ok(())
 }
 
-/// What is kept of the work, and how to continue: said where the work itself cannot say it any more.
+/// What is kept of the work, and how to continue: said when the work is stopped, in time or not.
 pub fn keeps(words: Option<String>) {
     *KEPT.lock().unwrap_or_else(PoisonError::into_inner) = words;
+}
+
+/// Says it.
+pub fn tell_kept() {
+    if let Some(words) = KEPT.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        ui::note(&words);
+    }
 }
 
 fn end() {
     tool::stop_all();
     atomic::abandon();
-    if let Some(words) = KEPT.lock().unwrap_or_else(PoisonError::into_inner).take() {
-        ui::note(&words);
-    }
+    tell_kept();
     ui::failure(&Error::Interrupted);
     std::process::exit(Error::Interrupted.exit_code().into());
 }

@@ -146,6 +146,9 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
         Err(error) => {
+            if matches!(error, Error::Interrupted) {
+                interrupt::tell_kept();
+            }
             ui::failure(&error);
             ExitCode::from(error.exit_code())
         }

@@ -111,6 +111,7 @@ pub(super) fn design(args: &Design, name: &str, ui: &Ui) -> Result<(), Error> {
     let run = Run { joint, start, network: weights::float_input(name)?, photos };
     if options.resume {
         state = load(&file, &run)?;
+        keeps(&file, &state);
     }
     let begun = std::time::Instant::now();
     search(&run, &mut state, &chosen, &file, ui)?;
@@ -137,11 +138,10 @@ fn search(
     while state.round < run.joint.rounds {
         let whole = run.joint.round(&frames, state, interrupt::flow).map_err(|error| words(error, chosen))?;
         if !whole {
-            ui.note(kept(file, state));
             return Err(Error::Interrupted);
         }
         save(file, run, state)?;
-        interrupt::keeps(Some(kept(file, state)));
+        keeps(file, state);
         bar.set(state.round.into());
         if let Some(judged) = state.history.last() {
             bar.message(format!("{:.3} dB, lens {}", judged.score_db, lens_words(&judged.lens)));
@@ -150,8 +150,9 @@ fn search(
     Ok(())
 }
 
-fn kept(file: &Path, state: &JointState) -> String {
-    format!("{}: checkpoint after round {}; continue with --resume", file.display(), state.round)
+fn keeps(file: &Path, state: &JointState) {
+    let name = file.display();
+    interrupt::keeps(Some(format!("{name}: checkpoint after round {}; continue with --resume", state.round)));
 }
 
 fn tell(

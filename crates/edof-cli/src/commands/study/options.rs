@@ -246,12 +246,18 @@ where
     };
     journal.notes().iter().for_each(|note| ui.note(note));
     let bar = ui.progress(1, "rows");
+    let kept = |p: &Progress| {
+        let file = rows?.display();
+        Some(format!("{file}: {} of {} rows are kept; the same command continues", p.done, p.of))
+    };
     let done = experiment::run(experiment, part.shard, &mut journal, |p: Progress| {
+        interrupt::keeps(kept(&p));
         bar.message(p.last);
         bar.of(p.done as u64, p.of as u64);
         interrupt::flow()
     });
     interrupt::check()?;
+    interrupt::keeps(None);
     match done {
         Ok(()) => Ok(journal),
         Err(RunError::Experiment(error)) => Err(error.into()),

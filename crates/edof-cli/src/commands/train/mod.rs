@@ -17,7 +17,7 @@ use crate::files::Files;
 use crate::kind::Kind;
 use crate::lens::{self, Lens};
 use crate::ui::Ui;
-use crate::{memory, said, weights};
+use crate::{interrupt, memory, said, weights};
 use edof_network::network::{Form, Network};
 use edof_network::weight_file;
 use edof_storage::name;
@@ -87,6 +87,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     for (_, file) in &seeds {
         let _ = std::fs::remove_file(file);
     }
+    interrupt::keeps(None);
     let seed = chosen.trainer.recipe().seed;
     tell::tell(&network, &results, seed, &photographs, args, ui)
 }

@@ -8,7 +8,7 @@ use crate::ui::Ui;
 use edof_network::network::Network;
 use edof_train::checkpoint::{self, Run};
 use edof_train::dataset::Dataset;
-use edof_train::train::{Best, Progress, Trainer};
+use edof_train::train::{Best, Progress, State, Trainer};
 use serde_json::Value;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -53,17 +53,11 @@ pub(super) fn one_seed<'a>(
         Some(from) => Trainer::from_network(recipe, dataset, threads, from)?,
         None => Trainer::new(recipe, dataset, threads)?,
     };
-    checkpoint::save(file, run, &trainer.state)?;
+    save(file, run, &trainer.state)?;
     let (begun, first, mut history) = (Instant::now(), trainer.state.step, vec![]);
-    if let Err(error) = train(&mut trainer, args, file, run, &mut history, ui) {
-        if matches!(error, Error::Interrupted) {
-            let step = trainer.state.step;
-            ui.note(format!("{}: checkpoint at step {step}; continue with --resume", file.display()));
-        }
-        return Err(error);
-    }
+    train(&mut trainer, args, file, run, &mut history, ui)?;
     // A seed that is done waits for the others; --resume passes over it.
-    checkpoint::save(file, run, &trainer.state)?;
+    save(file, run, &trainer.state)?;
     let steps = trainer.state.step - first;
     Ok(Trained { trainer, seconds: begun.elapsed().as_secs_f64(), steps, history })
 }
@@ -90,7 +84,7 @@ fn train(
         let out_of_time = limit.is_some_and(|limit| start.elapsed() >= limit);
         if stop || out_of_time || saved.elapsed() >= CHECKPOINT_EVERY {
             saved = Instant::now();
-            failed = checkpoint::save(file, run, &trainer.state).err();
+            failed = save(file, run, &trainer.state).err();
         }
         if stop || out_of_time || failed.is_some() {
             ControlFlow::Break(())
@@ -99,11 +93,22 @@ fn train(
         }
     })?;
     if let Some(error) = failed {
-        return Err(error.into());
+        return Err(error);
     }
     interrupt::check()?;
     if trainer.state.best == Best::NONE {
         return Err(Error::message("train: stopped before the first validation; lower --validate-every"));
     }
+    Ok(())
+}
+
+/// Writes a checkpoint, and has it named if the run is stopped.
+fn save(file: &Path, run: &Run, state: &State) -> Result<(), Error> {
+    checkpoint::save(file, run, state)?;
+    interrupt::keeps(Some(format!(
+        "{}: checkpoint at step {}; continue with --resume",
+        file.display(),
+        state.step
+    )));
     Ok(())
 }
