@@ -53,6 +53,7 @@ mutants-5       scripts/mutants.sh --draw 100 --seed 2022 --core
 fuzz-1          scripts/fuzz.sh 5 design camera pnm picture
 fuzz-2          scripts/fuzz.sh 5 dng raw arrays bank
 fuzz-3          scripts/fuzz.sh 5 record weights replies
+fuzz-4          scripts/fuzz.sh 5 dictionary rows
 serial-line     tests circuits host::
 words-1         scripts/words.sh 1
 words-2         scripts/words.sh 2

@@ -470,7 +470,7 @@ fn networks_of_smaller_apertures_are_compared_on_photographs() {
     for (options, words) in [
         (
             "--networks photos",
-            "--networks photos: has no weight files, expected NAME.safetensors of edof train",
+            "--networks photos: has no weight files, expected a folder with NAME.safetensors of edof train",
         ),
         (
             "--networks nowhere",

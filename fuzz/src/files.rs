@@ -6,7 +6,10 @@ use edof_device::Design;
 use edof_image::CfaPhase;
 use edof_io::packing::{ByteOrder, Packing};
 use edof_io::raw::{Alignment, RawOptions, Size};
+use edof_methods::dictionary::Dictionary;
 use edof_network::weight_file::{WeightFileError, parse_fixed, parse_network};
+use edof_study::journal::{Header, Journal, Line, Mixing};
+use edof_study::{aperture, kodak, single_depth, tolerances};
 use std::path::{Path, PathBuf};
 
 /// A file with these bytes, in the folder for temporary files.
@@ -75,9 +78,10 @@ pub fn dng(bytes: &[u8]) {
     let _ = edof_io::dng::decode(bytes, Path::new("shot.dng"));
 }
 
-/// PNG, TIFF, JPEG, BMP, WebP, PGM and PPM as photographs.
+/// PNG, TIFF, JPEG, BMP, WebP, PGM and PPM as photographs, and as grey pictures: mattes, depth maps, heights of a mask.
 pub fn picture(bytes: &[u8]) {
     let _ = edof_io::picture::decode(bytes, Path::new("picture"));
+    let _ = edof_io::photo::load_grey(&file("grey", bytes));
 }
 
 /// PGM and PPM.
@@ -115,4 +119,35 @@ pub fn record(bytes: &[u8]) {
     let at = edof_io::record::path_of(&raw);
     std::fs::write(at, bytes).expect("a file for the input");
     let _ = edof_io::record::load(&raw);
+}
+
+/// Dictionaries of sharp atoms.
+pub fn dictionary(bytes: &[u8]) {
+    let _ = Dictionary::load(Some(&file("dictionary.safetensors", bytes)));
+}
+
+/// Rows of studies: the first byte chooses the study.
+pub fn rows(bytes: &[u8]) {
+    let Some((first, bytes)) = bytes.split_first() else { return };
+    match first % 4 {
+        0 => rows_of::<kodak::Row>(bytes),
+        1 => rows_of::<single_depth::Row>(bytes),
+        2 => rows_of::<tolerances::Row>(bytes),
+        _ => rows_of::<aperture::Row>(bytes),
+    }
+}
+
+/// Merged with itself, then opened for more rows, which cuts a torn last line off: what was opened once can be opened again.
+fn rows_of<L: Line>(bytes: &[u8]) {
+    let path = file("rows.jsonl", bytes);
+    let Ok(header) = Header::read(&path) else { return };
+    let mixing = Mixing { any_revision: true, any_machine: true };
+    let _ =
+        Journal::<L>::merged(&std::env::temp_dir().join("all.jsonl"), &[path.clone(), path.clone()], mixing);
+    if let Ok(opened) = Journal::<L>::open(&path, header.clone(), mixing) {
+        let rows = opened.rows().len();
+        drop(opened);
+        let again = Journal::<L>::open(&path, header, mixing).expect("what was opened can be opened again");
+        assert_eq!(again.rows().len(), rows);
+    }
 }

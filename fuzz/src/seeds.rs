@@ -4,6 +4,7 @@ use edof_camera::Camera;
 use edof_image::{CfaPhase, ColourFrame, RawFrame};
 use edof_io::photo;
 use edof_io::samples::Samples;
+use edof_methods::dictionary::{self, Recipe};
 use edof_network::weight_file::{save_fixed, save_network};
 use ndarray::{Array1, Array2, Array3};
 use std::io::{Cursor, Write};
@@ -178,6 +179,27 @@ pub fn pnms() -> Vec<Vec<u8>> {
     let samples =
         |channels, full_scale| Samples { planes: Array3::from_elem((channels, 2, 3), 7), full_scale };
     [samples(1, 255), samples(1, 4095), samples(3, 65535)].iter().map(edof_io::pnm::encode).collect()
+}
+
+pub fn dictionaries() -> Vec<Vec<u8>> {
+    let recipe = Recipe { atoms: 4, sparsity: 1, patches: 10, rounds: 1, seed: 1 };
+    let atoms = Array2::from_elem((192, recipe.atoms), 0.25);
+    let made = edof_storage::provenance::Provenance::default();
+    vec![written("dictionary.safetensors", |path| {
+        dictionary::save(path, &atoms, recipe, 0.1, made).expect("a small dictionary can be written")
+    })]
+}
+
+/// The first rows of pages of the repository, whole and torn.
+pub fn rows() -> Vec<Vec<u8>> {
+    let pages = ["kodak-linear.jsonl", "single-depth.jsonl", "tolerances.jsonl", "aperture.jsonl"];
+    let first = |(study, rows): (usize, Vec<u8>)| {
+        let head: Vec<u8> = rows.split_inclusive(|byte| *byte == b'\n').take(4).flatten().copied().collect();
+        [vec![study as u8], head].concat()
+    };
+    let whole: Vec<Vec<u8>> = repository("docs/results", &pages).into_iter().enumerate().map(first).collect();
+    let torn = whole.iter().map(|rows| rows[..rows.len() - 9].to_vec());
+    torn.chain(whole.clone()).collect()
 }
 
 pub fn records() -> Vec<Vec<u8>> {
