@@ -195,8 +195,9 @@ short_network() {
 # shellcheck disable=SC2046
 aperture() { "$edof" study aperture $(rows aperture) $(pages aperture); }
 
-# Networks for two classes of light behind each lens: gain 1 to 10 and 10 to 100 behind the open aperture, more behind a smaller one. No window
-# is without noise. Those with most to say come first. A stopped run goes on; EDOF_APERTURES states fewer networks.
+# Networks for two classes of light behind each lens: gain 1 to 10 and 10.5 to 105 behind the open aperture, more behind a smaller one. So each gain
+# that is compared (1, 3.3, 10, 33, 100) is of one class, at every aperture the same. No window is without noise. Those with most to say come first. A
+# stopped run goes on; EDOF_APERTURES states fewer networks.
 apertures=""
 for range in 8 4 12; do
     for least in 1 10; do
@@ -213,7 +214,7 @@ aperture_networks() {
         gain=$(awk -v lens="$lens" -v least="${name##*-from-}" 'BEGIN {
             parts = split(lens, part, "-")
             gain = least * (parts == 3 ? 2 ^ part[2] : 1)
-            print gain ":" 10 * gain
+            printf "%.9g:%.9g", (least > 1 ? 1.05 : 1) * gain, (least > 1 ? 10.5 : 10) * gain
         }')
         short_network "$folder/$name.safetensors" "" --camera "$folder/cameras/$lens.json" --tone srgb --gain "$gain" --noiseless 1000000 --no-cache
     done

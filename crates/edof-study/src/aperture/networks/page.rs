@@ -3,7 +3,7 @@
 use super::{Lens, Row};
 use crate::made::Made;
 use crate::study_report::{StudyReport, StudyReportError};
-use crate::verdict::{compared, is_ahead};
+use crate::verdict::is_ahead;
 use edof_image::words::count;
 use edof_metrics::paired::Paired;
 use edof_numerics::mean;
@@ -172,7 +172,8 @@ impl StudyReport for ApertureNetworks {
     }
 
     fn to_markdown(&self, made: &Made) -> String {
-        let mut page = format!("# {TITLE}\n\n{made}\n\n{}\n\n## Verdict\n\n", self.explanation());
+        let explanation = self.explanation("[aperture.md](aperture.md)");
+        let mut page = format!("# {TITLE}\n\n{made}\n\n{explanation}\n\n## Verdict\n\n");
         for verdict in self.verdicts() {
             let _ = writeln!(page, "- {verdict}");
         }
@@ -184,10 +185,10 @@ impl StudyReport for ApertureNetworks {
 
     fn report(&self, command: &str) -> Report {
         let mut report = Report::new(TITLE);
-        report.paragraph(&self.explanation()).made_by(command).heading("Verdict");
         for verdict in self.verdicts() {
-            report.paragraph(&verdict);
+            report.verdict(&verdict);
         }
+        report.made_by(command).method(&self.explanation("edof study aperture"));
         let plots: Vec<Plot> = self.ranges().into_iter().map(|range| self.plot(range)).collect();
         report.plots(&plots);
         for (heading, table) in self.tables() {
@@ -199,7 +200,7 @@ impl StudyReport for ApertureNetworks {
 }
 
 impl ApertureNetworks {
-    fn explanation(&self) -> String {
+    fn explanation(&self, estimator: &str) -> String {
         let windows = match self.windows {
             [fewest, most] if fewest == most => fewest.to_string(),
             [fewest, most] => format!("{fewest} to {most}"),
@@ -209,9 +210,9 @@ impl ApertureNetworks {
              halves ψ of every depth. Light is stated as the electrons of a white pixel behind the open aperture; gain makes white full scale. \
              Every lens, aperture and range of depths has networks of its own by one short recipe, each trained on {windows} windows with its own noise. \
              They are trained less than the networks that come with the program. \
-             Ranges, lights and apertures without a network are left out; `scripts/results.sh aperture-networks` trains those that are missing. \
+             Ranges, lights and apertures without a network are left out; scripts/results.sh aperture-networks trains those that are missing. \
              {} under real light (sRGB decoded, photon and read noise), at five depths of each range. PSNR in dB, peak 1, of the encoded picture; the average \
-             over depths, and the worst depth of each lens. The closed-form estimator of [aperture.md](aperture.md) chose each lens's focus and the \
+             over depths, and the worst depth of each lens. The closed-form estimator of {estimator} chose each lens's focus and the \
              clear lens's aperture in the verdict, without these photographs. A ± is the standard error of the difference, paired by photograph; a difference counts from twice \
              that on. The mask was designed for ψ 0 to 8 and stays the same for all ranges.{}",
             count(self.photographs, "photograph"),
@@ -238,7 +239,7 @@ impl ApertureNetworks {
         self.peers.iter().filter_map(one).collect()
     }
 
-    /// How often the coded lens is ahead, then a sentence for each light of each range.
+    /// How often the coded lens is ahead, then a sentence for each range of depths.
     fn verdicts(&self) -> Vec<String> {
         let all = self.compared();
         let tally = |of: fn(&Comparison) -> Paired| {
@@ -256,39 +257,33 @@ impl ApertureNetworks {
             tally(|c| c.worst),
             tally(|c| c.average)
         );
-        let sentence = |(peers, clear, comparison): &(&Peers, &Reached, Comparison)| {
+        let sentence = |range: f64| {
+            let gains = |of: fn(&Comparison) -> Paired| -> Vec<(f64, Paired)> {
+                let own = all.iter().filter(|(peers, ..)| peers.range == range);
+                own.map(|(peers, _, comparison)| (peers.electrons, of(comparison))).collect()
+            };
+            let [worst, average] = [gains(|c| c.worst), gains(|c| c.average)].map(|gains| in_words(&gains));
             format!(
-                "ψ 0 to {}, {} electrons, clear lens at F/{:.1}: the coded lens is {} at the worst depth. On average it is {}.",
-                peers.range,
-                peers.electrons,
-                clear.f_number,
-                compared(&comparison.worst),
-                compared(&comparison.average)
+                "ψ 0 to {range}: at the worst depth the coded lens is {worst}. On average it is {average}."
             )
         };
-        std::iter::once(sum).chain(all.iter().map(sentence)).collect()
+        std::iter::once(sum).chain(self.ranges().into_iter().map(sentence)).collect()
     }
 
     fn tables(&self) -> Vec<(String, Table)> {
         let mut all =
             vec![("Coded lens, and clear lens at the aperture of the estimate".to_owned(), self.table())];
         for range in self.ranges() {
-            let add = |what: &str| format!("{what}, ψ 0 to {range}");
-            all.push((add("Every aperture"), self.apertures(range, "average / worst dB", |_, r| r.levels())));
+            let add = |what: &str| format!("{what}, ψ 0 to {range}: average / worst depth, dB");
+            all.push((add("Every aperture"), self.apertures(range, |_, r| r.levels())));
             let gain = |peers: &Peers, reached: &Reached| match reached.lens {
                 Lens::Coded => "–".to_owned(),
                 Lens::Clear => peers
                     .with(reached)
                     .map_or_else(|| "–".to_owned(), |c| format!("{} / {}", c.average, c.worst)),
             };
-            all.push((
-                add("Coded lens minus every aperture"),
-                self.apertures(range, "average / worst dB", gain),
-            ));
-            all.push((
-                add("The closed-form estimate"),
-                self.apertures(range, "average / worst dB", |_, r| r.estimates()),
-            ));
+            all.push((add("Coded lens minus every aperture"), self.apertures(range, gain)));
+            all.push((add("The closed-form estimate"), self.apertures(range, |_, r| r.estimates())));
         }
         all
     }
@@ -322,7 +317,7 @@ impl ApertureNetworks {
     }
 
     /// A cell for each lens and aperture, a column for each light.
-    fn apertures(&self, range: f64, title: &str, cell: impl Fn(&Peers, &Reached) -> String) -> Table {
+    fn apertures(&self, range: f64, cell: impl Fn(&Peers, &Reached) -> String) -> Table {
         let peers: Vec<&Peers> = self.of_range(range).collect();
         let heads = peers.iter().map(|peers| format!("{} e⁻", peers.electrons));
         let lenses = peers.iter().flat_map(|peers| std::iter::once(&peers.coded).chain(&peers.clear));
@@ -338,7 +333,7 @@ impl ApertureNetworks {
             std::iter::once(lens.name()).chain(peers.iter().map(|peers| of(peers, lens))).collect()
         };
         Table {
-            header: std::iter::once(title.to_owned()).chain(heads).collect(),
+            header: std::iter::once("lens".to_owned()).chain(heads).collect(),
             rows: lenses.iter().map(row).collect(),
         }
     }
@@ -369,4 +364,20 @@ impl ApertureNetworks {
             ],
         }
     }
+}
+
+/// Where the coded lens is ahead, by how much at most, and where it is not, of lights with their gains.
+pub(super) fn in_words(gains: &[(f64, Paired)]) -> String {
+    let part = |(way, word): (Option<bool>, &str)| {
+        let own: Vec<&(f64, Paired)> = gains.iter().filter(|(_, gain)| is_ahead(gain) == way).collect();
+        let most = own.iter().map(|(_, gain)| gain.mean.abs()).max_by(f64::total_cmp)?;
+        let by = if way.is_some() { format!(" by up to {most:.2} dB") } else { String::new() };
+        let lights: Vec<String> = own.iter().map(|(electrons, _)| electrons.to_string()).collect();
+        let all = own.len() == gains.len();
+        let place =
+            if all { "at every light".to_owned() } else { format!("at {} electrons", lights.join(", ")) };
+        Some(format!("{word}{by} {place}"))
+    };
+    let ways = [(Some(true), "better"), (Some(false), "worse"), (None, "equally good within the error")];
+    ways.into_iter().filter_map(part).collect::<Vec<_>>().join(", ")
 }

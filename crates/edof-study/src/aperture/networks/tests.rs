@@ -1,3 +1,4 @@
+use super::page::in_words;
 use super::*;
 use crate::experiment::run;
 use crate::journal::{Header, Journal, Program, Shard};
@@ -7,6 +8,7 @@ use edof_camera::Camera;
 use edof_image::geometry::Window;
 use edof_image::{ColourFrame, Stride};
 use edof_methods::nets::Net;
+use edof_metrics::paired::Paired;
 use edof_network::Network;
 use edof_network::network::Condition;
 use edof_optics::statistics::Statistics;
@@ -130,6 +132,18 @@ fn row(lens: Lens, stops: f64, psi: f64, image: &str, psnr_db: f64) -> Row {
 }
 
 #[test]
+fn a_verdict_names_the_lights_of_each_answer() {
+    let gain = |electrons: f64, mean: f64| (electrons, Paired { mean, standard_error: Some(0.1), photos: 8 });
+    let gains = [gain(3000.0, 0.3), gain(1000.0, 0.4), gain(300.0, -0.1), gain(100.0, -0.25)];
+    assert_eq!(
+        in_words(&gains),
+        "better by up to 0.40 dB at 3000, 1000 electrons, worse by up to 0.25 dB at 100 electrons, \
+         equally good within the error at 300 electrons"
+    );
+    assert_eq!(in_words(&gains[2..3]), "equally good within the error at every light");
+}
+
+#[test]
 fn the_verdict_is_paired_and_against_the_aperture_of_the_estimate() {
     let mut rows = vec![];
     for (image, own) in [("p1", 0.0), ("p2", 4.0)] {
@@ -143,8 +157,8 @@ fn the_verdict_is_paired_and_against_the_aperture_of_the_estimate() {
     let study = ApertureNetworks::new(&rows, String::new()).unwrap();
     assert!(
         study.to_text().contains(
-            "ψ 0 to 8, 1000 electrons, clear lens at F/4.9: the coded lens is better by 1.50 ± 0.00 dB at the worst depth. \
-             On average it is worse by 0.75 ± 0.00 dB."
+            "ψ 0 to 8: at the worst depth the coded lens is better by up to 1.50 dB at every light. \
+             On average it is worse by up to 0.75 dB at every light."
         ),
         "{}",
         study.to_text()
