@@ -13,6 +13,8 @@ use edof_image::{ColourFrame, RawFrame, Tone};
 use edof_network::FixedNetwork;
 use edof_report::picture::{enlarged, png};
 use edof_report::{Figure, Layout, Report};
+use edof_study::pictures;
+use ndarray::s;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -68,7 +70,7 @@ impl Board {
         self.sources.names().map(|name| Path::new(FOLDER).join(name))
     }
 
-    /// Writes the sources into the demo's folder, and tries their Verilog with the middle of a raw frame.
+    /// Writes the sources into the demo's folder, and tries their Verilog with the busiest part of a raw frame.
     ///
     /// # Errors
     /// A folder that cannot be written, no picture, or one that is not golden. A simulator that is missing is none.
@@ -90,8 +92,7 @@ impl Board {
         }
         let frame = FrameSize { width: SIDE, height: SIDE, ..self.design.frame };
         let design = Design { frame, ..self.design.clone() };
-        let middle = |length: usize| (length - SIDE) / 4 * 2;
-        let crop = cosim_system::crop(raw, (middle(height), middle(width)), frame)?;
+        let crop = cosim_system::crop(raw, busiest_part(raw), frame)?;
         let (display, start) = (Display::default(), Instant::now());
         let golden = Golden::new(self.network.clone())?;
         let picture = golden.frame(&carried(&crop))?.picture(&display).0.shown_frame();
@@ -109,6 +110,15 @@ impl Board {
         }
         Ok(Tried::Shown { picture, seconds: start.elapsed().as_secs_f64() })
     }
+}
+
+/// Row and column of the part in which neighbours of one colour differ most: the middle where the frame is too small to choose.
+fn busiest_part(raw: &RawFrame) -> (usize, usize) {
+    let one_colour = raw.values().slice(s![..;2, ..;2]).mapv(f32::from);
+    let (height, width) = raw.size();
+    let middle = |length: usize| (length - SIDE) / 4 * 2;
+    pictures::busiest_part(&one_colour, SIDE / 2)
+        .map_or((middle(height), middle(width)), |(row, column)| (2 * row, 2 * column))
 }
 
 impl Told {
@@ -162,7 +172,7 @@ impl Told {
         };
         let figure = Figure {
             title,
-            note: format!("the middle {SIDE}×{SIDE} pixels of the coded lens's frame, enlarged"),
+            note: format!("the busiest {SIDE}×{SIDE} pixels of the coded lens's frame, enlarged"),
             // Already encoded.
             picture: png(&enlarged(picture, ENLARGED), Tone::Linear)?,
         };

@@ -173,8 +173,14 @@ fn busiest(light: &Array2<f32>, depths: &Array2<f32>, psi: f32, side: usize) -> 
     })
 }
 
-/// Row and column of the square of that side in which neighbours differ most, among those that may be.
-pub(crate) fn busiest_where(
+/// Row and column of the square of that side in which neighbours differ most; none where no square has room, borders cropped.
+#[must_use]
+pub fn busiest_part(light: &Array2<f32>, side: usize) -> Option<(usize, usize)> {
+    busiest_where(light, side, |_, _| true)
+}
+
+/// The same among those that may be.
+fn busiest_where(
     light: &Array2<f32>,
     side: usize,
     may_be: impl Fn(usize, usize) -> bool,

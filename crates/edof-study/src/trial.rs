@@ -1,6 +1,6 @@
 //! One photograph at one depth behind one camera: what the sensor gives, and what a reconstruction of it is worth.
 
-use crate::pictures::busiest_where;
+use crate::pictures::busiest_part;
 use edof_camera::Camera;
 use edof_image::reconstructor::Multiplications;
 use edof_image::{ColourFrame, Noise, RawFrame, ReconstructError, Reconstruction, Tone};
@@ -166,7 +166,7 @@ impl<'a> Trial<'a> {
     /// Row and column of the busiest part of the photograph, where it has room for one.
     #[must_use]
     pub fn busiest_part(&self) -> Option<(usize, usize)> {
-        busiest_where(&luma(&self.photo.frame), CROP, |_, _| true)
+        busiest_part(&luma(&self.photo.frame), CROP)
     }
 
     /// A part of a reconstruction as it is looked at.
