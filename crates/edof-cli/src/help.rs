@@ -46,7 +46,7 @@ const COMMANDS: [(&str, &[Group]); 10] = [
             ("Network", &["form", "from", "only", "start", "out", "name", "force"]),
             ("Lens and depth", &["camera", "psf-bank", "depths", "psi"]),
             ("Photographs", &["images", "photos", "leave-out", "variants", "saturation", "hue", "scale"]),
-            ("Light and noise", &["tone", "noise", "gain", "noiseless", "exposure"]),
+            ("Light and noise", &["tone", "noise", "gain", "noiseless", "flat", "exposure"]),
             ("Sparsity", &["lambda", "non-zeros", "budget-rate"]),
             (
                 "Steps",

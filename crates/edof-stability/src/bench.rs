@@ -2,6 +2,8 @@
 
 use crate::methods::Methods;
 use crate::subjects::Subjects;
+use edof_image::{Noise, Tone};
+use edof_network::fit::Fit;
 use edof_network::{FixedNetwork, Network};
 
 /// A trained network in both its forms.
@@ -31,6 +33,20 @@ impl Bench {
     #[must_use]
     pub fn new(networks: Vec<Trained>, windows: usize) -> Self {
         Self { subjects: Subjects::default(), networks, windows, methods: Methods::default() }
+    }
+
+    /// Whether a network is one that the program takes for a noise: its range contains the noise, or no other network of its camera and
+    /// tones comes nearer.
+    pub(crate) fn is_for(&self, trained: &Trained, noise: Noise) -> bool {
+        let fit = |other: &Trained| other.float.origin.fit_of_any_tone(noise);
+        let own = fit(trained);
+        let tones = |other: &Trained| -> Vec<Tone> {
+            other.float.origin.conditions.iter().map(|condition| condition.tone).collect()
+        };
+        let is_peer = |other: &&Trained| {
+            other.float.origin.camera == trained.float.origin.camera && tones(other) == tones(trained)
+        };
+        own.is_some_and(Fit::is_inside) || self.networks.iter().filter(is_peer).all(|other| fit(other) >= own)
     }
 
     /// The methods of whole frames, prepared when they are first asked for.

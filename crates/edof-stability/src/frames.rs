@@ -1,5 +1,6 @@
 //! Frames: a scene behind a camera, and every method on what the sensor gives.
 //!
+//! A network is judged where the program takes it for the frame's noise; elsewhere its values must be finite and within its bounds.
 //! Networks look through their own cameras (or all through the one that the case names), other methods through the paper's. Every fixed network is compared with its bound against its float network in `f64`, and so is `f32`, whatever the case's limit. The limit itself is about pictures: the largest error of a value, or the loss against demosaicing the same frame ([`Malvar`]), which is what one would have
 //! without any of this.
 
@@ -55,8 +56,13 @@ pub(crate) fn frame(bench: &Bench, frame: &Frame, promise: &Promise) -> Result<T
     let mut tried = TrialResult::default();
     let psnr = bench.subjects.psnr;
     let judge = |name: &str, shot: &Shot, picture: &ColourFrame| judged(name, shot, picture, promise, psnr);
+    let judge_net = |is_for: bool, name: &str, shot: &Shot, picture: &ColourFrame| match is_for {
+        true => judge(name, shot, picture),
+        false => vec![is_finite(name, picture)],
+    };
     for (index, trained) in bench.networks.iter().enumerate() {
         let own = &trained.float.origin.camera;
+        let is_for = bench.is_for(trained, frame.noise);
         let camera = frame.camera.as_deref().map_or_else(|| Ok(own.clone()), Camera::resolve)?;
         let shot = shot(frame, &camera)?;
         let compared = Compared::trained(bench.subjects, trained)?;
@@ -76,8 +82,8 @@ pub(crate) fn frame(bench: &Bench, frame: &Frame, promise: &Promise) -> Result<T
             let seen = Measurement::fact(fixed.name(), "saturates nowhere", saturations == 0);
             tried.seen.push(seen.noted(format!("{saturations} saturations")));
         }
-        tried.seen.extend(judge(fixed.name(), &shot, &made.frame));
-        tried.seen.extend(judge(float.name(), &shot, &float.reconstruct(&shot.raw)?.frame));
+        tried.seen.extend(judge_net(is_for, fixed.name(), &shot, &made.frame));
+        tried.seen.extend(judge_net(is_for, float.name(), &shot, &float.reconstruct(&shot.raw)?.frame));
         if frame.camera.is_some() {
             let told = camera.same_lens(own) == (camera.name == own.name);
             tried.seen.push(Measurement::fact(&trained.name, "a lens that is not its own is noticed", told));
@@ -116,6 +122,11 @@ pub(crate) fn windows(network: &FixedNetwork, raw: &RawFrame) -> Vec<i16> {
     places.flat_map(|(r, c)| edof_golden::windows::window(&raw, geometry, r, c)).collect()
 }
 
+fn is_finite(name: &str, picture: &ColourFrame) -> Measurement {
+    let finite = picture.planes.iter().all(|v| v.is_finite());
+    Measurement::fact(name, "every value is a finite number", finite)
+}
+
 fn judged(
     name: &str,
     shot: &Shot,
@@ -123,8 +134,7 @@ fn judged(
     promise: &Promise,
     psnr: fn(&ColourFrame, &ColourFrame, usize) -> f64,
 ) -> Vec<Measurement> {
-    let finite = picture.planes.iter().all(|v| v.is_finite());
-    let mut seen = vec![Measurement::fact(name, "every value is a finite number", finite)];
+    let mut seen = vec![is_finite(name, picture)];
     let limit = promise.limit(name);
     match (promise, limit) {
         (Promise::Same { .. }, Some(limit)) => {

@@ -248,8 +248,30 @@ impl Dataset {
             let corner = picture.holdout.training(random, self.window().side());
             batch.cells[index] = self.cell(place, class) as u32;
             batch.classes[index] = class as u8;
-            self.cut(random, picture, place, corner, exposure, noise, batch, index);
+            match conditions.draw_colour(random, self.tones()[place.tone]) {
+                Some(colour) => self.fill(random, colour, place, noise, batch, index),
+                None => self.cut(random, picture, place, corner, exposure, noise, batch, index),
+            }
         }
+    }
+
+    /// A window of a single colour.
+    fn fill(
+        &self,
+        random: &mut Random,
+        colour: [f32; 3],
+        place: Place,
+        noise: Noise,
+        batch: &mut Batch,
+        index: usize,
+    ) {
+        let (side, pixels) = (self.window().side(), self.window().pixels());
+        batch.tones[index] = self.tones()[place.tone];
+        let input = &mut batch.inputs[index * pixels..][..pixels];
+        input.iter_mut().enumerate().for_each(|(i, v)| *v = colour[RGGB[i / side % 2][i % side % 2]]);
+        expose(noise, random, input);
+        let target = &mut batch.targets[index * RGB_OUTPUTS..][..RGB_OUTPUTS];
+        target.chunks_exact_mut(PATCH * PATCH).zip(colour).for_each(|(plane, v)| plane.fill(v));
     }
 
     /// Fills a batch with random validation windows of one photograph, as it is, at one ψ, with one noise.

@@ -20,6 +20,9 @@ pub struct Conditions {
     pub gain: [f32; 2],
     /// One window in N has no noise at all, where the range begins with the least noise that there is.
     pub noiseless: usize,
+    /// One window in N shows a single random colour: of photographs no window is saturated all over. 0 for none.
+    #[serde(default)]
+    pub flat: usize,
     /// Factor on all light of a window, least and most; what it lifts above full scale is clipped, as a sensor clips it.
     pub exposure: [f32; 2],
 }
@@ -28,7 +31,7 @@ impl Conditions {
     /// Windows as the photographs are, one in eight without noise.
     #[must_use]
     pub const fn plain(noise: f32) -> Self {
-        Self { noise: [0.0, noise], gain: [1.0, 16.0], noiseless: 8, exposure: [1.0; 2] }
+        Self { noise: [0.0, noise], gain: [1.0, 16.0], noiseless: 8, flat: 0, exposure: [1.0; 2] }
     }
 
     /// Noise at a `share` (0…1) of the range of σ, or of the stops of gain.
@@ -79,6 +82,14 @@ impl Conditions {
     pub const fn class(share: f32) -> usize {
         let class = 1 + (share * (NOISE_CLASSES - 1) as f32) as usize;
         if class < NOISE_CLASSES { class } else { NOISE_CLASSES - 1 }
+    }
+
+    /// The light of a window of a single colour, where the window is one: a quarter of its channels are black, a quarter full.
+    pub(crate) fn draw_colour(&self, random: &mut Random, tone: Tone) -> Option<[f32; 3]> {
+        if self.flat == 0 || random.below(self.flat) != 0 {
+            return None;
+        }
+        Some([(); 3].map(|()| tone.decode((2.0 * random.unit() - 0.5).clamp(0.0, 1.0))))
     }
 
     /// Noise of one window, and its class.

@@ -167,7 +167,7 @@ impl Recipe {
     }
 
     fn check_conditions(&self) -> Result<(), RecipeError> {
-        let Conditions { noise, gain, noiseless, exposure: [min, max] } = self.conditions;
+        let Conditions { noise, gain, noiseless, exposure: [min, max], .. } = self.conditions;
         if noiseless == 0 {
             return Err(value("noiseless", 0, "1 or more"));
         }

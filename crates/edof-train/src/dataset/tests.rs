@@ -47,6 +47,27 @@ fn windows_see_the_mosaic_around_their_patch() {
 }
 
 #[test]
+fn windows_of_a_single_colour_have_it_at_every_site_and_reach_the_ends_of_each_channel() {
+    let dataset = marked_dataset(12, &[Tone::Srgb], 1);
+    let mut batch = Batch::new(dataset.window(), 200);
+    let conditions = Conditions { noiseless: 1, flat: 1, ..Conditions::plain(0.015) };
+    dataset.draw(&mut Random::new(1, 2, 3), &conditions, &mut batch);
+    let mut ends = [[0; 3]; 2];
+    for (input, target) in batch.inputs.chunks(144).zip(batch.targets.chunks(192)) {
+        let colour = [0, 1, 2].map(|plane| target[plane * 64]);
+        assert!((0..3).all(|plane| target[plane * 64..][..64].iter().all(|v| *v == colour[plane])));
+        for (i, v) in input.iter().enumerate() {
+            assert_eq!(*v, colour[[[0, 1], [1, 2]][i / 12 % 2][i % 2]]);
+        }
+        for (plane, v) in colour.into_iter().enumerate() {
+            ends[0][plane] += u32::from(v == 0.0);
+            ends[1][plane] += u32::from(v == 1.0);
+        }
+    }
+    assert!(ends.iter().flatten().all(|count| (25..75).contains(count)), "a quarter of 200 each: {ends:?}");
+}
+
+#[test]
 fn targets_are_light_and_validation_windows_come_from_the_corner_block() {
     let dataset = marked_dataset(8, &Tone::ALL, 1);
     let mut batch = Batch::new(dataset.window(), 300);

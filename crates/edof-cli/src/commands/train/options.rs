@@ -88,6 +88,10 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     pub(super) noiseless: Option<usize>,
 
+    /// One window in N shows a single random colour, as no photograph's does; 0 for none
+    #[arg(long, value_name = "N")]
+    pub(super) flat: Option<usize>,
+
     /// Range MIN:MAX of the random factor on the light of each window; 1:1 leaves it unchanged
     #[arg(long, value_name = "LOW:HIGH", value_parser = factors, allow_hyphen_values = true)]
     pub(super) exposure: Option<[f64; 2]>,

@@ -29,6 +29,7 @@ pub(super) fn recipes(args: &Args, from: Option<&Network>) -> Result<Vec<Recipe>
     set(&mut recipe.conditions.noise, args.noise.map(narrow));
     set(&mut recipe.conditions.gain, args.gain.map(narrow));
     set(&mut recipe.conditions.noiseless, args.noiseless);
+    set(&mut recipe.conditions.flat, args.flat);
     set(&mut recipe.conditions.exposure, args.exposure.map(narrow));
     set(&mut recipe.augmentation.variants, args.variants);
     set(&mut recipe.augmentation.saturation, args.saturation.map(narrow));
@@ -106,6 +107,7 @@ fn stated(option: &str, r: &Recipe) -> Option<String> {
         "noise" => pair(c.noise),
         "gain" => pair(c.gain),
         "noiseless" => c.noiseless.to_string(),
+        "flat" => c.flat.to_string(),
         "exposure" => pair(c.exposure),
         "variants" => a.variants.to_string(),
         "saturation" => pair(a.saturation),
@@ -155,7 +157,18 @@ pub(super) fn command(args: &Args, r: &Recipe) -> String {
             line.option_if(option, stated(option, r));
         }
     };
-    of_recipe(&["tone", "noise", "gain", "noiseless", "exposure", "variants", "saturation", "hue", "scale"]);
+    of_recipe(&[
+        "tone",
+        "noise",
+        "gain",
+        "noiseless",
+        "flat",
+        "exposure",
+        "variants",
+        "saturation",
+        "hue",
+        "scale",
+    ]);
     of_recipe(&[
         "weighting",
         "steps",
