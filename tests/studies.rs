@@ -303,6 +303,12 @@ fn hard_cases_are_run_and_a_broken_promise_is_a_failure_that_names_them() {
     assert_eq!(run.code, Some(1), "{}", run.err);
     assert!(run.err.contains("1 of 2 promises are broken: unfair."), "{}", run.err);
     assert!(run.out.lines().next().unwrap().starts_with("BROKEN  beyond  unfair"), "{}", run.out);
+    place.float_network("net.safetensors");
+    place.edof("study stability --only flat-red --nets net.safetensors").refused(&["net.fixed.safetensors"]);
+    place.fixed_network("net.fixed.safetensors");
+    place
+        .edof("study stability --only flat-red --nets net.safetensors")
+        .refused(&["--nets net.safetensors: its integers were made of another float network"]);
     place
         .edof("study stability --only nothing-of-the-kind")
         .refused(&["--only nothing-of-the-kind: no case"]);

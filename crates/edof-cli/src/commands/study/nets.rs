@@ -239,7 +239,7 @@ fn shown_name(name: &str) -> &str {
 }
 
 /// Name of the fixed net that goes with a float one.
-fn fixed_name(name: &str) -> String {
+pub fn fixed_name(name: &str) -> String {
     let stem = name.strip_suffix(".safetensors");
     stem.map_or_else(|| name.to_owned(), |stem| format!("{stem}.fixed.safetensors"))
 }

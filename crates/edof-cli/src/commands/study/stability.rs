@@ -1,5 +1,6 @@
 //! `edof study stability`: hard cases, and whether each is within its limit.
 
+use super::nets::fixed_name;
 use super::options::Outputs;
 use crate::error::Error;
 use crate::files::{Files, Force};
@@ -36,7 +37,7 @@ pub struct Args {
     #[arg(long)]
     quick: bool,
 
-    /// Networks, each with its integers [default: all built-in ones]
+    /// Networks, each with its integers: those of NAME.safetensors are in NAME.fixed.safetensors [default: all built-in ones]
     #[arg(long, value_delimiter = ',', value_name = "NET,…")]
     nets: Vec<String>,
 
@@ -55,7 +56,7 @@ pub struct Args {
 /// Cases or networks that cannot be read, no case of that name, an exceeded limit, or Ctrl-C.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = args.nets.iter().fold(Files::new(ui), |files, net| {
-        files.reads_all(weights::float_file(net)).reads_all(weights::fixed_file(net))
+        files.reads_all(weights::float_file(net)).reads_all(weights::fixed_file(&fixed_name(net)))
     });
     let files = args.cases.iter().fold(files, |files, folder| files.reads_pictures_of(folder));
     args.outputs.of(files).keeps(args.force).check()?;
@@ -97,14 +98,15 @@ impl Args {
         let all: Vec<String> = weights::names().into_iter().map(str::to_owned).collect();
         let names = if self.nets.is_empty() { all } else { self.nets.clone() };
         let trained = |name: String| {
-            let (float, fixed) = (weights::float(&name)?, weights::fixed(&name)?);
+            let integers = fixed_name(&name);
+            let (float, fixed) = (weights::float(&name)?, weights::fixed(&integers)?);
             if weights::float_input(&name)?.sha256 != fixed.float_hash {
                 return Err(Error::message(format!(
                     "--nets {name}: its integers were made of another float network"
                 )));
             }
             ui.used(weights::float_input(&name)?);
-            ui.used(weights::fixed_input(&name)?);
+            ui.used(weights::fixed_input(&integers)?);
             let name = float.origin.name.clone();
             Ok(Trained { name, float, fixed })
         };
