@@ -72,7 +72,7 @@ fn what_is_left_out_is_not_trained_on() {
         let script = std::fs::read_to_string(root().join("scripts").join(script)).unwrap();
         let script = script.replace("\\\n", " ");
         let trainings: Vec<&str> = script.lines().filter(|line| line.contains("\"$edof\" train ")).collect();
-        assert!(trainings.len() >= 2);
+        assert!(!trainings.is_empty());
         assert!(trainings.iter().all(|line| line.contains("--leave-out \"$held_back\"")), "{trainings:?}");
     }
 }
