@@ -54,3 +54,37 @@ impl Bench {
         &self.methods
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use edof_camera::Camera;
+    use edof_network::network::Condition;
+
+    fn network(name: &str, camera: &str, tone: Tone, [least, most]: [f64; 2]) -> Trained {
+        let mut float = edof_random::silent(Camera::resolve(camera).unwrap());
+        let [least_noise, noise] = [least, most].map(Noise::gaussian);
+        float.origin.conditions = vec![Condition { tone, noise, least_noise }];
+        let fixed = edof_random::extreme(float.form, 16, edof_image::Stride::PATCH, false, 1);
+        Trained { name: name.into(), float, fixed }
+    }
+
+    #[test]
+    fn a_network_is_for_a_noise_of_its_range_or_nearer_to_it_than_any_of_its_lens_and_tone() {
+        let networks = vec![
+            network("all", "clear", Tone::Linear, [0.0, 0.015]),
+            network("low", "clear", Tone::Linear, [0.0, 0.006]),
+            network("high", "clear", Tone::Linear, [0.014, 0.03]),
+            network("light", "clear", Tone::Srgb, [0.0, 0.01]),
+            network("other lens", "ring-outer", Tone::Linear, [0.0, 0.01]),
+        ];
+        let bench = Bench::new(networks, 0);
+        let at = |sigma: f64| -> Vec<&str> {
+            let is_for = |trained: &&Trained| bench.is_for(trained, Noise::gaussian(sigma));
+            bench.networks.iter().filter(is_for).map(|trained| trained.name.as_str()).collect()
+        };
+        assert_eq!(at(0.0), ["all", "low", "light", "other lens"]);
+        assert_eq!(at(0.01), ["all", "light", "other lens"]);
+        assert_eq!(at(0.05), ["high", "light", "other lens"]);
+    }
+}
