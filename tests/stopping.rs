@@ -112,6 +112,24 @@ fn a_stopped_study_says_that_its_rows_are_kept() {
 }
 
 #[test]
+fn a_stopped_training_says_how_to_continue() {
+    let place = ready();
+    std::fs::create_dir(place.path("small")).unwrap();
+    place.photo("small/a.png", 320, 288);
+    let line = "train --form edof-t4w12 --camera clear --images small --photos all --depths 2 --steps 100000000 --out x.safetensors";
+    let mut child = place.command(line).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    while !place.path("x.safetensors.checkpoint").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "ended without a checkpoint");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    interrupt(&child);
+    let said = String::from_utf8(child.wait_with_output().unwrap().stderr).unwrap();
+    assert!(said.contains("x.safetensors.checkpoint: checkpoint at step "), "{said}");
+    assert!(said.contains("continue with --resume"), "{said}");
+}
+
+#[test]
 fn a_second_request_ends_the_program_where_it_is() {
     let place = ready();
     let mut child = place.command(JOBS[1]).stderr(Stdio::null()).spawn().unwrap();
