@@ -5,6 +5,12 @@
 // The falling edge happens together with the next change of inputs.
 #include "Vdut.h"
 #include "verilated.h"
+#if VM_COVERAGE
+#include "verilated_cov.h"
+#include <atomic>
+#include <cstdlib>
+#include <unistd.h>
+#endif
 #include <cstdio>
 #include <memory>
 #include <mutex>
@@ -124,6 +130,20 @@ template <class F> static int guarded(Model* model, F body) {
     return 1;
 }
 
+#if VM_COVERAGE
+// What the instance has covered, in a file of its own in the folder $EDOF_COVERAGE: process, library and instance name it.
+static void write_coverage(const Model& model) {
+    static std::atomic<unsigned> written{0};
+    const char* folder = std::getenv("EDOF_COVERAGE");
+    if (!folder) return;
+    const auto library = reinterpret_cast<uintptr_t>(&written);
+    const std::string name = std::to_string(getpid()) + "-" + std::to_string(library) + "-" + std::to_string(written++);
+    model.context->coveragep()->write((std::string{folder} + "/" + name + ".dat").c_str());
+}
+#else
+static void write_coverage(const Model&) {}
+#endif
+
 extern "C" {
 #define API __attribute__((visibility("default")))
 API const char* edof_message() { return message.c_str(); }
@@ -146,6 +166,7 @@ API Model* edof_create(int32_t seed, int32_t random, const char* dir) {
 }
 API void edof_destroy(Model* model) {
     Verilated::threadContextp(model->context.get());
+    write_coverage(*model);
     delete model;
 }
 API void edof_poke(Model* model, uint32_t port, const uint32_t* words) {

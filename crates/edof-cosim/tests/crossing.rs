@@ -199,6 +199,8 @@ pub struct PulseSource {
     ports: [usize; 3],
     word: Option<usize>,
     draw: Draw,
+    /// How many words were offered.
+    offered: u64,
     /// Whether the source still sends.
     pub talks: bool,
     /// What was taken.
@@ -207,7 +209,7 @@ pub struct PulseSource {
 
 impl PulseSource {
     pub fn new(clock: ClockId, ports: [usize; 3], word: Option<usize>, seed: u64) -> Self {
-        Self { clock, ports, word, draw: Draw::new(seed), talks: true, taken: vec![] }
+        Self { clock, ports, word, draw: Draw::new(seed), offered: 0, talks: true, taken: vec![] }
     }
 }
 
@@ -228,7 +230,9 @@ impl Actor for PulseSource {
     fn after(&mut self, model: &mut Model) -> Result<(), Error> {
         let offers = self.talks && self.draw.whole(0, 3) > 0;
         model.poke(self.ports[0], offers.into())?;
-        self.word.map_or(Ok(()), |word| model.poke(word, self.draw.bits() & 0xff_ffff))
+        // The multiplier is odd, so no two of 2^24 words are the same.
+        self.offered += 1;
+        self.word.map_or(Ok(()), |word| model.poke(word, self.offered * 0x9e_3779 & 0xff_ffff))
     }
 }
 
@@ -341,6 +345,8 @@ fn a_level_arrives_in_the_second_or_third_cycle() {
     let mut bench = bench(&source, 5);
     bench.clock("clock_i", 5_000).unwrap();
     let (mut seen, draw) = ([0; 5], &mut Draw::new(5));
+    // What the synchroniser held at the start passes through.
+    bench.steps(3, &mut []).unwrap();
     for _ in 0..300 {
         let before = bench.get("to_o").unwrap();
         let level = before ^ draw.whole(1, 7) as u64;

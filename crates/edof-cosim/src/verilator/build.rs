@@ -18,6 +18,9 @@ pub struct Options {
     pub waveform: Waveform,
     /// What stands where Verilog says nothing.
     pub unknowns: Unknowns,
+    /// Whether lines and toggles are counted. Each instance writes what it has covered into the folder `$EDOF_COVERAGE` at its end; the default is
+    /// to count where that is set.
+    pub coverage: bool,
     /// Where compiled models are kept, by everything that went into them; without it, nothing is kept.
     pub cache: Option<PathBuf>,
     /// Compilers at work at the same time.
@@ -32,6 +35,7 @@ impl Default for Options {
             optimize: 1,
             waveform: Waveform::None,
             unknowns: Unknowns::Random,
+            coverage: std::env::var_os("EDOF_COVERAGE").is_some(),
             cache: None,
             jobs: 2,
             precompile: false,
@@ -184,8 +188,14 @@ fn verilator_options(options: &Options) -> Vec<&'static str> {
     let unknowns = options.unknowns.option();
     let mut all = vec!["--cc", "-O3", "--x-assign", unknowns, "--x-initial", unknowns];
     all.extend(["--timescale", "1ns/1ns"]);
-    all.extend(options.waveform.option());
+    all.extend(runtime_options(options));
     all
+}
+
+/// Those of them that change what Verilator's own library has to do.
+fn runtime_options(options: &Options) -> Vec<&'static str> {
+    let coverage: &[_] = if options.coverage { &["--coverage-line", "--coverage-toggle"] } else { &[] };
+    options.waveform.option().into_iter().chain(coverage.iter().copied()).collect()
 }
 
 /// Verilog to C++. Warnings are for [`crate::lint`].
@@ -202,8 +212,7 @@ fn verilate(source: &Source, options: &Options, work: &Path) -> Result<(), Error
 
 /// Verilator's own library, which takes longer to compile than a small design: once for each kind of waveform.
 fn runtime(options: &Options, tools: &str, work: &Path) -> Result<Product, Error> {
-    let trace = options.waveform.option().unwrap_or("");
-    let key = cache::key([tools, CFLAGS, MAKEFILE, trace]);
+    let key = cache::key([tools, CFLAGS, MAKEFILE].into_iter().chain(runtime_options(options)));
     let name = format!("runtime-{}.o", &key[..24]);
     cache::obtain(options.cache.as_deref(), &name, |dir| {
         make(work, options, "runtime.o", &[])?;
@@ -213,8 +222,8 @@ fn runtime(options: &Options, tools: &str, work: &Path) -> Result<Product, Error
 
 /// Verilator's headers as the compiler reads them faster, for one kind of waveform and one level of optimisation.
 fn headers(options: &Options, tools: &str, work: &Path) -> Result<Product, Error> {
-    let trace = options.waveform.option().unwrap_or("");
-    let key = cache::key([tools, CFLAGS, MAKEFILE, SHIM, trace, &fast(options)]);
+    let fast = fast(options);
+    let key = cache::key([tools, CFLAGS, MAKEFILE, SHIM, &fast].into_iter().chain(runtime_options(options)));
     let name = format!("headers-{}.h.gch", &key[..24]);
     cache::obtain(options.cache.as_deref(), &name, |dir| {
         make(work, options, "headers.h.gch", &[])?;
