@@ -34,7 +34,7 @@ for lens in outer:ring-outer clear:clear-mid; do
     light="$form srgb $name-light" second="--weighting mse --steps 60000" long="--weighting mse --steps 100000" lowest="--gain 1:4 --noiseless 4"
     networks+=(
         "$name-low $form linear 1 | --steps 32000 $low | $low $fewer"
-        "$name-mid $form linear 1 | --steps 32000 $mid | $mid --weighting mse --steps 80000 | $mid $long | $mid --weighting mse --steps 6000 --rate 5e-4 --lambda 5e-5,3e-4,1e-2"
+        "$name-mid $form linear 1 | --steps 32000 $mid | $mid --weighting mse --steps 80000 | $mid $long | $mid --weighting mse --steps 6000 --rate 5e-4 --lambda 5e-5,3e-4,2e-2"
         "$name-high $form linear 1 | --steps 32000 $high | $high $fewer"
         "$name-light-low $light | $lowest $second | $lowest $colours | $lowest $both"
         "$name-light-high $light | --gain 4:24 $second | --gain 4:24 $colours | --gain 4:24 --flat 64 $long | --gain 4:24 $both"
