@@ -21,7 +21,7 @@ pins            tests circuits pins:: cables:: top:: stream_core:: planted_fault
 verilog-frames  tests circuits checking::a_hundred_frames_are_exact_in_verilog checking::a_hundred_frames_of_a_photograph_are_exact_in_verilog
 icarus-frames   tests circuits checking::a_hundred_frames_are_exact_in_icarus checking::a_hundred_frames_of_a_photograph_are_exact_in_icarus
 full-frame      tests circuits full_frame::
-chains          tests circuits chain::
+chains          tests circuits chain:: edof_core::
 full-width      tests circuits full_width:: expressions::
 netlists        tests circuits netlists::
 timing          tests circuits timing::

@@ -9,6 +9,7 @@ use edof_golden::cycle::Stalls;
 use edof_golden::{Counts, scalar};
 use edof_image::draw::Draw;
 use edof_image::{Stride, Window};
+use edof_network::network::Form;
 use edof_network::network::Recurrence::{self, Difference, Direct};
 use edof_network::network::Shrinkage::{self, OneSided, TwoSided};
 use std::collections::BTreeSet;
@@ -28,30 +29,73 @@ struct Small {
 
 impl Small {
     fn design(&self) -> Design {
-        let design = Design {
-            name: "small".into(),
-            clock_mhz: 100.0,
-            form: edof_network::network::Form {
-                window: Window::new(self.window).unwrap(),
-                codes: 16,
-                layers: self.stages.len(),
-                shrinkage: self.shrinkage,
-                recurrence: self.recurrence,
-                linear_path: self.linear_path,
-                tied: self.tied,
-            },
-            code_bits: self.bits,
-            accumulator_bits: 48,
-            skip_zeros: true,
-            stages: self
-                .stages
-                .iter()
-                .map(|(lanes, rows)| StageSize { lanes: *lanes, rows: *rows })
-                .collect(),
-            frame: FrameSize { width: 64, height: 48, stride: Stride::PATCH },
+        let form = Form {
+            window: Window::new(self.window).unwrap(),
+            codes: 16,
+            layers: self.stages.len(),
+            shrinkage: self.shrinkage,
+            recurrence: self.recurrence,
+            linear_path: self.linear_path,
+            tied: self.tied,
         };
+        let design = design(form, self.bits, self.stages);
         design.check().unwrap();
         design
+    }
+}
+
+/// A design of a form, with lanes and rows of each stage.
+fn design(form: Form, code_bits: u32, stages: &[(usize, usize)]) -> Design {
+    Design {
+        name: "small".into(),
+        clock_mhz: 100.0,
+        form,
+        code_bits,
+        accumulator_bits: 48,
+        skip_zeros: true,
+        stages: stages.iter().map(|(lanes, rows)| StageSize { lanes: *lanes, rows: *rows }).collect(),
+        frame: FrameSize { width: 64, height: 48, stride: Stride::PATCH },
+    }
+}
+
+/// A design of so many layers whose other sizes are drawn, of those that its check accepts.
+fn drawn(draw: &mut Draw, layers: usize) -> Design {
+    let one_of =
+        |draw: &mut Draw, choices: &[usize]| choices[draw.whole(0, choices.len() as i64 - 1) as usize];
+    loop {
+        let form = Form {
+            window: Window::new(one_of(draw, &[8, 12, 16])).unwrap(),
+            codes: one_of(draw, &[8, 12, 16, 20, 24, 32, 36, 48]),
+            layers,
+            shrinkage: [OneSided, TwoSided][draw.whole(0, 1) as usize],
+            recurrence: [Direct, Difference][draw.whole(0, 1) as usize],
+            linear_path: draw.whole(0, 1) == 1,
+            tied: draw.whole(0, 3) == 0,
+        };
+        let last = form.layers - 1;
+        let stages: Vec<_> = (0..=last)
+            .map(|i| {
+                let outputs = if i == last { 128 } else { form.codes };
+                (outputs / one_of(draw, &[1, 2, 3, 4]), one_of(draw, &[1, 2, 3, 4]))
+            })
+            .collect();
+        let found = design(form, draw.whole(6, 16) as u32, &stages);
+        if found.check().is_ok() {
+            return found;
+        }
+    }
+}
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn designs_of_random_sizes_agree_in_every_word_and_cycle() {
+    let draw = &mut Draw::new(2026);
+    for seed in 0..20 {
+        let setup = Setup::new(drawn(draw, 2 + seed as usize % 5), seed);
+        let stalls = Some(Stalls::drawn(seed, [0, 40, 190][seed as usize % 3]));
+        let drive = Drive { skip_zeros: Some(draw.whole(0, 1) == 1), stalls, ..Drive::default() };
+        println!("{:?}", setup.design);
+        expect_clean(&setup.run(&drive, patches(&setup.design, 250, seed), seed));
     }
 }
 

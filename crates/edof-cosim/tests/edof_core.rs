@@ -56,6 +56,14 @@ impl Setup {
         frames.iter().map(|raw| system::picture(&golden, &display, raw).unwrap()).collect()
     }
 
+    /// Whether the pictures of [`are_shown`] differ from one another. A network of extreme weights may make the same of two frames.
+    fn tells_frames_apart(&self) -> bool {
+        SHOWN.iter().all(|(mode, set, seed)| {
+            let pictures = self.pictures(&drawn(self.design.frame, 7, *seed).unwrap(), *set, *mode);
+            (0..pictures.len()).all(|i| !pictures[..i].contains(&pictures[i]))
+        })
+    }
+
     fn begin(&self, seed: u64) -> RigConfig {
         RigConfig::leisurely(&self.design, seed)
     }
@@ -85,7 +93,14 @@ const ERRORS: [&str; 7] = [
 /// fuller than the model says.
 fn frames_are_shown(window: usize, stride: usize, size: (usize, usize)) {
     let setup = Setup::new(design(window, stride, size));
-    for (mode, set, seed) in [(DisplayMode::Colour, 0, 1), (DisplayMode::Luma, 1, 2)] {
+    assert!(setup.tells_frames_apart());
+    are_shown(&setup);
+}
+
+const SHOWN: [(DisplayMode, usize, u64); 2] = [(DisplayMode::Colour, 0, 1), (DisplayMode::Luma, 1, 2)];
+
+fn are_shown(setup: &Setup) {
+    for (mode, set, seed) in SHOWN {
         let frames = drawn(setup.design.frame, 7, seed).unwrap();
         let mut rig = setup.start(&frames, seed);
         rig.control(mode, set).unwrap();
@@ -97,13 +112,72 @@ fn frames_are_shown(window: usize, stride: usize, size: (usize, usize)) {
         for name in ERRORS {
             assert_eq!(rig.register(name).unwrap(), 0, "{name}");
         }
-        assert_eq!(rig.register("input_size").unwrap(), size.0 as u32 | (size.1 as u32) << 16);
+        let FrameSize { width, height, .. } = setup.design.frame;
+        assert_eq!(rig.register("input_size").unwrap(), width as u32 | (height as u32) << 16);
         for fifo in rig.fifos(&setup.begin(seed)).unwrap() {
             assert!(fifo.max > 0 && fifo.max <= fifo.limit && fifo.limit <= fifo.depth, "{fifo:?}");
         }
         // The memory is ready, the signal is there and fits, and pictures leave.
         assert_eq!(rig.register("status").unwrap() & 0b1111, 0b1111);
     }
+}
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn frames_of_random_sizes_are_shown() {
+    let draw = &mut Draw::new(2026);
+    let mut found = 0;
+    while found < 8 {
+        let mut of = |choices: &[usize]| choices[draw.whole(0, choices.len() as i64 - 1) as usize];
+        let (window, stride) = (of(&[8, 12, 16]), of(&[2, 4, 8]));
+        let size = (8 * of(&[2, 3, 4, 5, 6, 8]), 8 * of(&[1, 2, 3, 4]));
+        let mut design = committed("tiny");
+        design.form.window = Window::new(window).unwrap();
+        design.frame = FrameSize { width: size.0, height: size.1, stride: Stride::new(stride).unwrap() };
+        if design.check().is_ok() {
+            let setup = Setup::new(design);
+            if setup.tells_frames_apart() {
+                println!("window {window}, stride {stride}, {size:?}");
+                are_shown(&setup);
+                found += 1;
+            }
+        }
+    }
+}
+
+/// Clocks that no board has. As long as the core keeps up nothing is lost; where it does not, what is lost is counted, and what is shown is whole or black from
+/// a pixel on.
+#[test]
+fn a_core_as_fast_as_the_pixels_or_slower_shows_no_mixed_pictures() {
+    let setup = Setup::new(design(8, 8, (32, 24)));
+    let frames = drawn(setup.design.frame, 9, 4).unwrap();
+    let pictures = setup.pictures(&frames, 0, DisplayMode::Colour);
+    let pixels = system::leisurely(&setup.design);
+    for (percent, keeps_up, seed) in
+        [(100, true, 1), (100, true, 2), (120, true, 3), (150, false, 4), (200, false, 5)]
+    {
+        let periods = Periods { core: pixels.input * percent / 100, ..pixels };
+        let begin = RigConfig { periods, behaviour: Behaviour::ideal(), ..setup.begin(seed) };
+        let sent = frames.iter().map(system::sent).collect();
+        let mut rig = Rig::start(&setup.compiled, &begin, sent).unwrap();
+        rig.send(8).unwrap();
+        rig.show(4).unwrap();
+        let errors: u32 = ERRORS.iter().map(|name| rig.register(name).unwrap()).sum();
+        assert_eq!(errors == 0, keeps_up, "a core's cycle of {percent} % of a pixel");
+        if keeps_up {
+            assert!(longest_run(&setup.shown(&rig, &pictures)) >= 5);
+        } else {
+            assert!(rig.screen.frames.iter().all(|(_, frame)| is_whole_or_cut(frame, &pictures)));
+        }
+    }
+}
+
+/// Whether a frame is one of the pictures, or black from a pixel on.
+fn is_whole_or_cut(frame: &[u16], pictures: &[Vec<u16>]) -> bool {
+    pictures.iter().any(|picture| {
+        let good = frame.iter().zip(picture).take_while(|(shown, made)| shown == made).count();
+        frame[good..].iter().all(|pixel| *pixel == BLACK_PIXEL)
+    })
 }
 
 #[test]
@@ -176,14 +250,11 @@ fn whatever_happens_no_picture_is_torn_and_the_right_counter_counts() {
     assert!(rig.register("output_read_errors").unwrap() > 0);
     rig.memory.behaviour.read_errors = [0; 2];
     rig.show(2).unwrap();
-    let cut = |(_, frame): &(u64, Vec<u16>)| {
-        let is_cut = |picture: &Vec<u16>| {
-            let good = frame.iter().zip(picture).take_while(|(shown, made)| shown == made).count();
-            frame[good..].iter().all(|pixel| *pixel == BLACK_PIXEL)
-        };
-        pictures.iter().any(is_cut)
-    };
-    assert!(rig.screen.frames.split_off(before).iter().all(cut), "a word with an error is shown");
+    let shown = rig.screen.frames.split_off(before);
+    assert!(
+        shown.iter().all(|(_, frame)| is_whole_or_cut(frame, &pictures)),
+        "a word with an error is shown"
+    );
     rig.shown_at.truncate(before);
     recovers(&mut rig, "errors on the way to the screen");
 

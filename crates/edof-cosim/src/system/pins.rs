@@ -134,9 +134,10 @@ impl Screen {
         Ok(Self { clock, ports, reset, size, open, line: 0, vs: false, follows: false, cycle: 0, frames })
     }
 
-    /// Drops all frames so far, and the frame in progress.
+    /// Drops all frames so far, and the frame in progress. A vertical sync that is high at the end of a reset is none: the screen's clock may not have seen the
+    /// reset yet.
     pub fn forget(&mut self) {
-        (self.open, self.line, self.follows) = (vec![], 0, false);
+        (self.open, self.line, self.vs, self.follows) = (vec![], 0, true, false);
         self.frames.clear();
     }
 
