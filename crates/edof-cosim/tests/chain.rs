@@ -58,8 +58,8 @@ fn design(form: Form, code_bits: u32, stages: &[(usize, usize)]) -> Design {
     }
 }
 
-/// A design of so many layers whose other sizes are drawn, of those that its check accepts.
-fn drawn(draw: &mut Draw, layers: usize) -> Design {
+/// A design with that number of layers and otherwise random sizes, of those that its check accepts.
+fn random_design(draw: &mut Draw, layers: usize) -> Design {
     let one_of =
         |draw: &mut Draw, choices: &[usize]| choices[draw.whole(0, choices.len() as i64 - 1) as usize];
     loop {
@@ -91,7 +91,7 @@ fn drawn(draw: &mut Draw, layers: usize) -> Design {
 fn designs_of_random_sizes_agree_in_every_word_and_cycle() {
     let draw = &mut Draw::new(2026);
     for seed in 0..20 {
-        let setup = Setup::new(drawn(draw, 2 + seed as usize % 5), seed);
+        let setup = Setup::new(random_design(draw, 2 + seed as usize % 5), seed);
         let stalls = Some(Stalls::drawn(seed, [0, 40, 190][seed as usize % 3]));
         let drive = Drive { skip_zeros: Some(draw.whole(0, 1) == 1), stalls, ..Drive::default() };
         println!("{:?}", setup.design);

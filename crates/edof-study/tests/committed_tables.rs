@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 /// Files that were made before rows and pages stated their revision. They leave this list when `scripts/results.sh` has remade them; no
 /// file enters it.
-const OLD_FILES: [&str; 17] = [
+const OLD_FILES: [&str; 16] = [
     "bits.md",
     "blind-train.jsonl",
     "blind-train.md",
@@ -37,7 +37,6 @@ const OLD_FILES: [&str; 17] = [
     "single-depth.json",
     "single-depth.jsonl",
     "single-depth.md",
-    "stability.md",
 ];
 
 fn project() -> PathBuf {
@@ -217,7 +216,8 @@ fn quotable(file: &str) -> Vec<String> {
         .collect();
     assert!(table.len() > 4, "{file}");
     // Those by noise alone, where the page has them.
-    let kinds: &[&str] = if page.contains("-by-noise.fixed") { &["-by-noise"] } else { &["", "-light"] };
+    let kinds =
+        if page.contains("-by-noise.fixed") { ["-by-noise", "-light-by-noise"] } else { ["", "-light"] };
     let is_network = |name: &str| {
         let lens = ["edof-t4w12-outer", "edof-t4w12-clear"].into_iter().find_map(|n| name.strip_prefix(n));
         lens.is_some_and(|kind| kinds.contains(&kind))
