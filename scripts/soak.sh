@@ -55,6 +55,8 @@ fuzz-2          scripts/fuzz.sh 5 dng raw arrays bank
 fuzz-3          scripts/fuzz.sh 5 record weights replies
 fuzz-4          scripts/fuzz.sh 5 dictionary rows
 serial-line     tests circuits host::
+sanitizer       scripts/sanitize.sh
+coverage        scripts/coverage.sh
 words-1         scripts/words.sh 1
 words-2         scripts/words.sh 2
 words-3         scripts/words.sh 3
