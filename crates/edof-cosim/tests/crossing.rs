@@ -232,7 +232,7 @@ impl Actor for PulseSource {
         model.poke(self.ports[0], offers.into())?;
         // The multiplier is odd, so no two of 2^24 words are the same.
         self.offered += 1;
-        self.word.map_or(Ok(()), |word| model.poke(word, self.offered * 0x9e_3779 & 0xff_ffff))
+        self.word.map_or(Ok(()), |word| model.poke(word, (self.offered * 0x9e_3779) & 0xff_ffff))
     }
 }
 
