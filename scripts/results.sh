@@ -240,7 +240,7 @@ colour_training() {
     "$edof" "${plain_study[@]}" --nets "$classes" --images "$photographs" --photos train --rows "$folder/train-kodak.jsonl" > /dev/null
     "$edof" "${plain_study[@]}" --nets "$classes" --images "$more" --photos "$seen" --rows "$folder/train-more.jsonl" > /dev/null
     for fold in "${folds[@]}"; do
-        nets=$trained/colour/$fold
+        nets=$trained/colour/${fold//,/+}
         mkdir -p "$nets"
         short_network "$nets/plain.safetensors" ",$fold" --camera ring-outer --tone linear
         short_network "$nets/copies.safetensors" ",$fold" --camera ring-outer --tone linear --variants 2

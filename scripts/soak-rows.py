@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Measures one row of each page of docs/results again and compares it to the last bit, times and memory aside: scripts/soak-rows.py EDOF [PAGE]...
 
-EDOF is the program. A page that differs is named with the field, and the exit status is then 1. Not among them: forms.md and layers.md, whose
-rows are networks that scripts/results.sh trains for half an hour and does not keep.
+EDOF is the program. A page that differs is named with the field, and the exit status is then 1. Not among them: forms.md, layers.md,
+ablations.md, classes.md, joint.md, bound.*, aperture-networks.* and colour.md, whose rows are of networks that scripts/results.sh trains.
 Photographs: $EDOF_KODAK, else ../shared/data/kodak.
 """
 
+import csv
 import json
 import os
 import pathlib
@@ -19,16 +20,13 @@ UNEQUAL = ("seconds", "repetitions", "memory", "place", "_sha256", "range", "cro
 
 
 def rows_of(path):
-    """Rows of a file of JSON lines, or of a study's JSON."""
-    if path.suffix == ".json":
-        return json.loads(path.read_text())["rows"]
+    """Rows of a file of JSON lines."""
     return [row for row in map(json.loads, path.read_text().splitlines()) if "study" not in row]
 
 
 def file_of(page):
     """The file that holds a page's rows."""
-    lines = RESULTS / f"{page}.jsonl"
-    return lines if lines.exists() else RESULTS / f"{page}.json"
+    return RESULTS / f"{page}.jsonl"
 
 
 def compared(old, new, at=""):
@@ -74,27 +72,36 @@ def lines(edof, page, arguments, belongs):
 
 def scene(edof):
     """One lens and method of the scenes at four depths."""
-    old = json.loads((RESULTS / "multi-depth.json").read_text())["scenes"]
-    old = next(scene for scene in old if scene["scene"] == "leaves-4")
     with tempfile.TemporaryDirectory() as folder:
-        out = pathlib.Path(folder) / "out.json"
-        run(edof, ["study", "multi-depth", "--scenes", "leaves", "--nets", "paper-t4", "--json", str(out)], folder)
-        new = json.loads(out.read_text())["scenes"][0]
-    key = lambda picture: (picture["lens"], picture["treatment"])
-    ours = {key(picture): picture for picture in new["pictures"]}
-    both = [picture for picture in old["pictures"] if key(picture) in ours]
-    return [line for picture in both for line in compared(picture, ours[key(picture)])] if both else ["no picture of both"]
+        out = pathlib.Path(folder) / "out.csv"
+        run(edof, ["study", "multi-depth", "--scenes", "leaves", "--nets", "paper-t4", "--csv", str(out)], folder)
+        old, new = (list(csv.DictReader(path.open())) for path in (RESULTS / "multi-depth.csv", out))
+    key = lambda row: (row["scene"], row["lens"], row["treatment"])
+    ours = {key(row): row for row in new}
+    both = [row for row in old if key(row) in ours]
+    return [line for row in both for line in compared(row, ours[key(row)])] if both else ["no row of both"]
 
 
 PHOTOGRAPHS = pathlib.Path(os.environ.get("EDOF_KODAK", RESULTS.parent.parent.parent / "shared/data/kodak"))
 SHOTS = [word for number in ("01", "13", "20") for word in ("--photo", str(PHOTOGRAPHS / f"kodim{number}.png"))]
+MORE = os.environ.get("EDOF_MORE", str(RESULTS.parent.parent.parent / "shared/data/more"))
 FAR = ["--psi", "8", "--noise", "none"]
 NET = ["method", "camera", "image", "psi", "noise"]
+
+
+# Networks by noise of the coded lens.
+CLASSES = "+".join(f"edof-t4w12-outer-{noise}" for noise in ("low", "mid", "high"))
 
 
 def far(method):
     """Rows of a method at ψ = 8 without noise."""
     return lambda row: (row["method"], row["psi"], row["noise"]) == (method, 8.0, "none")
+
+
+def held_back(page):
+    """A row of photographs that were held back."""
+    arguments = ["--images", MORE, "--nets", CLASSES, *FAR]
+    return lambda edof: study(edof, page, "kodak", arguments, far("edof-t4w12-outer-by-noise.fixed"), NET)
 
 
 PAGES = {
@@ -104,6 +111,17 @@ PAGES = {
     "kodak-srgb": lambda edof: study(
         edof, "kodak-srgb", "kodak", ["--tone", "srgb", "--nets", "edof-t4w12-outer", *FAR], far("edof-t4w12-outer.fixed"), NET
     ),
+    "held-back": held_back("held-back"),
+    "held-back-colourful": held_back("held-back-colourful"),
+    "tolerances": lambda edof: study(
+        edof,
+        "tolerances",
+        "tolerances",
+        ["--net", CLASSES, "--errors", "radius", *FAR],
+        lambda row: (row["kind"], row["psi"], row["noise"]) == ("radius", 8.0, "none"),
+        ["kind", "amount", "image", "psi", "noise"],
+    ),
+    "aperture": lambda edof: lines(edof, "aperture", ["aperture", "--psi-ranges", "4", "--electrons", "1000"], lambda line: line.startswith("| 0 to 4 | 1000 |")),
     "single-depth": lambda edof: study(
         edof,
         "single-depth",

@@ -68,13 +68,13 @@ for program in $programs; do others+=(--test "$program"); done
 tests() { cargo test --workspace --no-fail-fast --locked "$@"; }
 # They wait for each other's compilers now and then: one more at a time than there are cores.
 beside "tests of circuits" tests --test circuits -- --test-threads=$(($(nproc) + 1))
+EDOF=${CARGO_TARGET_DIR:-target}/debug/edof beside "the contract on paper" ./scripts/test-oracle.sh
 # Whoever runs this waits for minutes, and is told everything that failed.
 say "tests of all else"
 tests "${others[@]}" || failed+=("tests of all else")
-say "the contract on paper"
-EDOF=${CARGO_TARGET_DIR:-target}/debug/edof ./scripts/test-oracle.sh || failed+=("the contract on paper")
 say "examples in the documentation"
 cargo test --workspace --doc --locked || failed+=("examples in the documentation")
+wait_for "the contract on paper"
 wait_for "tests of circuits"
 [ "${#failed[@]}" = 0 ] || fail "failed: $(printf '%s; ' "${failed[@]}")"
 say "all passed, $SECONDS seconds"

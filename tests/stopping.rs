@@ -71,7 +71,7 @@ fn a_stopped_search_of_lens_and_network_resumes_and_ends_with_the_same_lens() {
         std::fs::create_dir(place.path(folder)).unwrap();
     }
     place.photo("small/a.png", 320, 288);
-    let line = "optics design --through net.safetensors --camera ring-2018 --images small --photos all --rounds 5 --steps 30 --windows 8";
+    let line = "optics design --through net.safetensors --camera ring-2018 --images small --photos all --psi-range 0,1 --rounds 3 --steps 10 --windows 8";
     place.edof(&format!("{line} --out whole/lens.json")).done();
     let search = format!("{line} --out lens.json");
     let mut child = place.command(&search).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
@@ -96,7 +96,12 @@ fn a_stopped_search_of_lens_and_network_resumes_and_ends_with_the_same_lens() {
 #[test]
 fn a_stopped_study_says_that_its_rows_are_kept() {
     let place = ready();
-    let line = "study kodak --images photos --nets net.safetensors --psi 0,1,2,3,4,5,6,7,8 --rows rows.jsonl";
+    std::fs::create_dir(place.path("small")).unwrap();
+    for number in 1..=9 {
+        place.photo(&format!("small/kodim0{number}.png"), 320, 288);
+    }
+    let line =
+        "study kodak --images small --photos all --nets net.safetensors --psi 0,2,4,6,8 --rows rows.jsonl";
     let mut child = place.command(line).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let rows = || std::fs::read_to_string(place.path("rows.jsonl")).unwrap_or_default().lines().count();
     while rows() < 2 {

@@ -17,27 +17,6 @@ use edof_study::trial::Measured;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Files that were made before rows and pages stated their revision. They leave this list when `scripts/results.sh` has remade them; no
-/// file enters it.
-const OLD_FILES: [&str; 15] = [
-    "bits.md",
-    "blind-train.jsonl",
-    "blind-train.md",
-    "blind.jsonl",
-    "blind.md",
-    "knobs.jsonl",
-    "knobs.md",
-    "layers.md",
-    "multi-depth.csv",
-    "multi-depth.md",
-    "overlap.jsonl",
-    "overlap.md",
-    // The tree was dirty.
-    "single-depth.json",
-    "single-depth.jsonl",
-    "single-depth.md",
-];
-
 fn project() -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).to_owned()
 }
@@ -85,30 +64,20 @@ fn revisions(file: &str) -> Vec<String> {
     }
 }
 
-/// Results of a dirty or unknown tree cannot be committed.
+/// Results of a dirty or unknown tree cannot be committed, nor those of several revisions: scripts/results.sh remakes all.
 #[test]
-fn every_result_is_of_a_clean_revision_or_of_those_that_are_to_be_remade() {
-    let mut old = vec![];
+fn every_result_is_of_one_clean_revision() {
     let mut all = BTreeSet::new();
     for entry in std::fs::read_dir(project().join("docs/results")).unwrap() {
         let file = entry.unwrap().file_name().into_string().unwrap();
         let own = revisions(&file);
-        if own.is_empty() || !own.iter().all(|revision| is_clean(revision)) {
-            old.push(file);
-        } else {
-            all.extend(own);
+        assert!(!own.is_empty(), "docs/results/{file}: states no revision; remake it (scripts/results.sh)");
+        for revision in &own {
+            assert!(is_clean(revision), "docs/results/{file}: '{revision}' is no clean revision");
         }
+        all.extend(own);
     }
-    old.sort();
-    let mut listed = OLD_FILES.to_vec();
-    listed.sort_unstable();
-    assert_eq!(
-        old, listed,
-        "remake new ones from a clean tree (scripts/results.sh), and take remade ones off the list"
-    );
-    if listed.is_empty() {
-        assert_eq!(all.len(), 1, "all are remade together: {all:?}");
-    }
+    assert_eq!(all.len(), 1, "all are remade together (scripts/results.sh)");
 }
 
 /// A page must be what its rows say. Rows of an old format cannot be resumed, only reported again: `EDOF_BLESS=1` does.

@@ -1,9 +1,11 @@
 //! Verilog names: no reserved word, no name twice.
 
 use std::collections::HashSet;
+use std::sync::LazyLock;
 
 /// Reserved words of Verilog-2001 and of SystemVerilog, which most tools read it as.
-const RESERVED: &str = "accept_on alias always always_comb always_ff always_latch and assert assign assume automatic \
+static RESERVED: LazyLock<HashSet<&str>> = LazyLock::new(|| {
+    "accept_on alias always always_comb always_ff always_latch and assert assign assume automatic \
     before begin bind bins binsof bit break buf bufif0 bufif1 byte case casex casez cell chandle checker class clocking \
     cmos config const constraint context continue cover covergroup coverpoint cross deassign default defparam design \
     disable dist do edge else end endcase endchecker endclass endclocking endconfig endfunction endgenerate endgroup \
@@ -19,7 +21,10 @@ const RESERVED: &str = "accept_on alias always always_comb always_ff always_latc
     showcancelled signed small soft solve specify specparam static string strong strong0 strong1 struct super supply0 \
     supply1 sync_accept_on sync_reject_on table tagged task this throughout time timeprecision timeunit tran tranif0 \
     tranif1 tri tri0 tri1 triand trior trireg type typedef union unique unique0 unsigned until until_with untyped use \
-    uwire var vectored virtual void wait wait_order wand weak weak0 weak1 while wildcard wire with within wor xnor xor";
+    uwire var vectored virtual void wait wait_order wand weak weak0 weak1 while wildcard wire with within wor xnor xor"
+    .split_whitespace()
+    .collect()
+});
 
 /// The names of one scope that are taken.
 #[derive(Debug, Default, Clone)]
@@ -36,7 +41,7 @@ impl Names {
     /// A free name nearest to the wanted one: `$` becomes `_`, a reserved word gets a trailing `_`, a taken name a number.
     pub fn take(&mut self, wanted: &str) -> String {
         let mut plain = wanted.trim_start_matches("r#").replace(['$', '.'], "_");
-        if RESERVED.split_whitespace().any(|word| word == plain) {
+        if RESERVED.contains(plain.as_str()) {
             plain.push('_');
         }
         let numbered = (2..).map(|n| format!("{plain}_{n}"));

@@ -280,10 +280,10 @@ impl Memory {
         let fields = [p.aw_id, p.aw_addr, p.aw_len, p.aw_size, p.aw_burst];
         let offered = model.peek(p.aw_valid)? == 1;
         let taken = offered && model.peek(p.aw_ready)? == 1;
-        let address = Address::read(model, fields)?;
-        side.standing[0].check(model, &side.name, offered.then_some(&address.words()[..]), taken)?;
+        let address = Address::offered(model, offered, fields)?;
+        side.standing[0].check(model, &side.name, address.as_ref().map(Address::words).as_deref(), taken)?;
         let since = since(&mut side.offered, offered, taken, self.cycle);
-        if taken {
+        if let Some(address) = address.filter(|_| taken) {
             let burst = address.burst(model, &side.name, self.word_bytes())?;
             self.written.bursts.push((burst.address, burst.words));
             side.announced.push_back(Burst { offered: since, ..burst });
@@ -291,14 +291,18 @@ impl Memory {
 
         let offered = model.peek(p.w_valid)? == 1;
         let taken = offered && model.peek(p.w_ready)? == 1;
-        let mut word = vec![0; self.width / 32];
-        model.peek_words(p.w_data, &mut word)?;
-        let (strobe, last) = (model.peek(p.w_strb)?, model.peek(p.w_last)? == 1);
-        let whole = word.iter().copied().chain([strobe as u32, (strobe >> 32) as u32, last.into()]);
-        let whole: Vec<u32> = whole.collect();
-        side.standing[1].check(model, &side.name, offered.then_some(&whole[..]), taken)?;
-        if taken {
-            side.words.push_back((word, strobe, last));
+        if offered {
+            let mut word = vec![0; self.width / 32];
+            model.peek_words(p.w_data, &mut word)?;
+            let (strobe, last) = (model.peek(p.w_strb)?, model.peek(p.w_last)? == 1);
+            let whole = word.iter().copied().chain([strobe as u32, (strobe >> 32) as u32, last.into()]);
+            let whole: Vec<u32> = whole.collect();
+            side.standing[1].check(model, &side.name, Some(&whole), taken)?;
+            if taken {
+                side.words.push_back((word, strobe, last));
+            }
+        } else {
+            side.standing[1].check(model, &side.name, None, false)?;
         }
 
         if side.answers && model.peek(p.b_ready)? == 1 {
@@ -372,13 +376,13 @@ impl Memory {
         let fields = [p.ar_id, p.ar_addr, p.ar_len, p.ar_size, p.ar_burst];
         let offered = model.peek(p.ar_valid)? == 1;
         let taken = offered && model.peek(p.ar_ready)? == 1;
-        let address = Address::read(model, fields)?;
-        side.standing.check(model, &side.name, offered.then_some(&address.words()[..]), taken)?;
+        let address = Address::offered(model, offered, fields)?;
+        side.standing.check(model, &side.name, address.as_ref().map(Address::words).as_deref(), taken)?;
         if side.answers && model.peek(p.r_ready)? == 1 {
             side.answers = false;
         }
         let offered = since(&mut side.offered, offered, taken, self.cycle);
-        if taken {
+        if let Some(address) = address.filter(|_| taken) {
             let burst = address.burst(model, &side.name, self.word_bytes())?;
             self.read.bursts.push((burst.address, burst.words));
             let due = self.due();

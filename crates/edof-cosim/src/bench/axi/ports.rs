@@ -62,18 +62,22 @@ pub(super) struct Burst {
     pub(super) offered: u64,
 }
 
-/// An address channel before an edge: what it offers.
+/// What an address channel offers before an edge.
 pub(super) struct Address {
     pub(super) payload: [u64; 5],
 }
 
 impl Address {
-    pub(super) fn read(model: &mut Model, ports: [usize; 5]) -> Result<Self, Error> {
+    /// None where nothing is offered.
+    pub(super) fn offered(model: &mut Model, valid: bool, ports: [usize; 5]) -> Result<Option<Self>, Error> {
+        if !valid {
+            return Ok(None);
+        }
         let mut payload = [0; 5];
         for (value, port) in payload.iter_mut().zip(ports) {
             *value = model.peek(port)?;
         }
-        Ok(Self { payload })
+        Ok(Some(Self { payload }))
     }
 
     pub(super) fn words(&self) -> Vec<u32> {
