@@ -282,7 +282,12 @@ forms() {
         "t4w12c256 --form one-sided,w12,t4,c256,r --non-zeros 62,62,54" \
         "t4w12c128 --form one-sided,w12,t4,c128,r --non-zeros 62,62,54" \
         "t4w12half --form one-sided,w12,t4,c192,r --non-zeros 40,40,36" \
-        "t4w12free --form one-sided,w12,t4,c192,r --non-zeros none --lambda 3e-5"
+        "t4w12free --form one-sided,w12,t4,c192,r --non-zeros none --lambda 3e-5" \
+        "t4w12sym --form one-sided,w12,t4,c192,r --structure symmetric" \
+        "t4w16sym --form one-sided,w16,t4,c192,r --structure symmetric" \
+        "t4w12on --from $made/forms/t4w12.safetensors" \
+        "t4w12blocks --from $made/forms/t4w12.safetensors --structure blocks:0.5" \
+        "t4w16sym-on --from $made/forms/t4w16sym.safetensors --structure symmetric"
 }
 
 # The recipe with one change each, and its spread over seeds.

@@ -43,7 +43,7 @@ const COMMANDS: [(&str, &[Group]); 10] = [
     (
         "train",
         &[
-            ("Network", &["form", "from", "only", "start", "out", "name", "force"]),
+            ("Network", &["form", "from", "only", "structure", "start", "out", "name", "force"]),
             ("Lens and depth", &["camera", "psf-bank", "depths", "psi"]),
             ("Photographs", &["images", "photos", "leave-out", "variants", "saturation", "hue", "scale"]),
             ("Light and noise", &["tone", "noise", "gain", "noiseless", "flat", "exposure"]),

@@ -1,6 +1,7 @@
 //! Starting values: random analysis of whitened inputs, or ISTA's own matrices from a dictionary.
 
 use crate::dataset::Batch;
+use crate::structure::Structure;
 use edof_float::parameters::Layout;
 use edof_float::pass::Pass;
 use edof_image::colour::RGB_OUTPUTS;
@@ -37,13 +38,24 @@ pub enum Start {
 }
 
 /// Starting weights in the flat layout of a form, from windows like those that it will be trained on ([`SAMPLES`] are
-/// enough). The same batch and random stream give the same ones.
+/// enough). The same batch and random stream give the same ones. Of a symmetric structure, codes of the second half are partners of the first.
 #[must_use]
-pub fn initial(form: &Form, start: Start, batch: &Batch, random: &mut Random) -> Vec<f32> {
-    match start {
+pub fn initial(
+    form: &Form,
+    (start, structure): (Start, Structure),
+    batch: &Batch,
+    random: &mut Random,
+) -> Vec<f32> {
+    let mut weights = match start {
         Start::Whitened => whitened(form, batch, random),
         Start::Dictionary => from_dictionary(form, batch, random),
+    };
+    if structure == Structure::Symmetric {
+        let layout = Layout::new(form);
+        structure.held(form, &layout, &weights).begin(&layout, &mut weights);
+        fit_final_layer(form, &layout, batch, &mut weights);
     }
+    weights
 }
 
 fn whitened(form: &Form, batch: &Batch, random: &mut Random) -> Vec<f32> {

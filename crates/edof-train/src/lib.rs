@@ -10,6 +10,7 @@
 //! | batch | [`edof_float::pass`] | forward pass and gradient |
 //! | weights | [`weighting`], [`budget`] | weight of a window's error, and cost of a non-zero |
 //! | step | [`adam`] | new weights |
+//! | | [`structure`] | what weights keep to, so that a circuit could multiply less |
 //! | lens | [`joint`] | a lens that moves along its network's gradient |
 //! | run | [`recipe`], [`train`] | schedule, [`validation`], checkpoints ([`checkpoint`]), resume |
 
@@ -24,6 +25,7 @@ pub mod joint;
 pub mod noise;
 pub mod precondition;
 pub mod recipe;
+pub mod structure;
 pub mod train;
 pub mod validation;
 pub mod weighting;

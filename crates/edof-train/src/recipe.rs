@@ -5,6 +5,7 @@ use crate::budget::Budget;
 use crate::dataset::{Dataset, DatasetOptions};
 use crate::initial::Start;
 use crate::noise::Conditions;
+use crate::structure::Structure;
 use crate::weighting::Weighting;
 use edof_image::Tone;
 use edof_image::words;
@@ -49,6 +50,8 @@ pub struct Recipe {
     pub averaging: f32,
     /// What training changes.
     pub trained: Trained,
+    /// What weights keep to.
+    pub structure: Structure,
     /// Seed of everything random.
     pub seed: u64,
     /// Steps between validations.
@@ -92,6 +95,7 @@ impl Recipe {
             start: Start::Whitened,
             averaging: 0.0,
             trained: Trained::All,
+            structure: Structure::Free,
             seed: 1,
             validate_every: 2_000,
             patience: 30,
@@ -141,6 +145,9 @@ impl Recipe {
     /// [`RecipeError::Form`] or [`RecipeError::Value`].
     pub fn check(&self) -> Result<(), RecipeError> {
         self.form.check()?;
+        if let Some(expected) = self.structure.objection(&self.form) {
+            return Err(value("structure", self.structure, expected));
+        }
         if self.batch == 0 || !self.batch.is_multiple_of(SHARES) {
             return Err(value("batch", self.batch, "a positive multiple of 8"));
         }

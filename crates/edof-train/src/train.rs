@@ -7,6 +7,7 @@ use crate::initial::{SAMPLES, initial};
 use crate::noise::Conditions;
 use crate::precondition::Precondition;
 use crate::recipe::{Recipe, RecipeError, SHARES, Trained, value};
+use crate::structure::Held;
 use crate::validation::{Validation, ValidationSets};
 use crate::weighting::remember;
 use edof_camera::Camera;
@@ -80,6 +81,7 @@ pub struct Trainer<'a> {
     dataset: &'a Dataset,
     rates: Vec<f32>,
     condition: Precondition,
+    held: Held,
     /// The network's weights for the state's.
     weights: Vec<f32>,
     scratch: Vec<f32>,
@@ -158,8 +160,9 @@ impl<'a> Trainer<'a> {
         recipe: Recipe,
         dataset: &'a Dataset,
         threads: usize,
-        network: Vec<f32>,
+        mut network: Vec<f32>,
     ) -> Result<Self, RecipeError> {
+        recipe.structure.held(&recipe.form, &Layout::new(&recipe.form), &network).impose(&mut network);
         let mut weights = network.clone();
         condition(&recipe, dataset).to_trained(&network, &mut weights);
         let state = State {
@@ -201,8 +204,10 @@ impl<'a> Trainer<'a> {
         let condition = condition(&recipe, dataset);
         let mut weights = vec![0.0; layout.len()];
         condition.to_network(&state.weights, &mut weights);
+        let held = recipe.structure.held(&recipe.form, &layout, &weights);
         Ok(Self {
             dataset,
+            held,
             rates: rates(&layout, &recipe),
             scratch: weights.clone(),
             shares: (0..SHARES).map(|_| Share::new(&recipe, layout.len())).collect(),
@@ -358,7 +363,7 @@ impl<'a> Trainer<'a> {
                     self.state.weights[theta.clone()].iter_mut().for_each(|t| *t = t.max(0.0));
                 }
             }
-            self.condition.to_network(&self.state.weights, &mut self.weights);
+            self.held.hold(&self.condition, &mut self.state.weights, &mut self.weights);
         });
         let kept = averaging(self.recipe.averaging, self.state.step);
         let mean = self.state.average.iter_mut().zip(&self.state.weights);
@@ -457,7 +462,7 @@ fn start(recipe: &Recipe, dataset: &Dataset) -> Vec<f32> {
     let mut random = Random::new(recipe.seed, u64::MAX, 0);
     let mut batch = Batch::new(recipe.form.window, SAMPLES);
     dataset.draw(&mut random, &recipe.conditions, &mut batch);
-    initial(&recipe.form, recipe.start, &batch, &mut random)
+    initial(&recipe.form, (recipe.start, recipe.structure), &batch, &mut random)
 }
 
 /// Coordinates from a batch of training windows; the same for a resumed run.

@@ -73,7 +73,8 @@ fn network(joint: &Joint, camera: &Camera) -> Network {
     let mut random = Random::new(4, 0, 0);
     let mut batch = edof_train::dataset::Batch::new(joint.recipe.form.window, 2048);
     dataset(joint, camera).draw(&mut random, &joint.recipe.conditions, &mut batch);
-    let weights = initial(&joint.recipe.form, joint.recipe.start, &batch, &mut random);
+    let weights =
+        initial(&joint.recipe.form, (joint.recipe.start, joint.recipe.structure), &batch, &mut random);
     assert_eq!(weights.len(), Layout::new(&joint.recipe.form).len());
     let origin = Origin {
         name: "start".into(),

@@ -10,6 +10,7 @@ use edof_image::Tone;
 use edof_io::photos::Selection;
 use edof_network::network::Form;
 use edof_train::recipe::Trained;
+use edof_train::structure::Structure;
 use edof_train::{initial, weighting};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -147,6 +148,11 @@ pub struct Args {
     /// Weights that training changes: all, or the thresholds only, as for another level of noise (needs --from)
     #[arg(long, value_name = "PART", requires_if("thresholds", "from"))]
     pub(super) only: Option<Only>,
+
+    /// What weights keep to, so that a circuit could multiply less: symmetric (codes in pairs, one the other's for a transposed window), or
+    /// blocks:SHARE (so much of A and R is zero, where --from has the least)
+    #[arg(long, value_name = "KIND")]
+    pub(super) structure: Option<Structure>,
 
     /// Cost λ of a unit of |z|, one number or one per shrinkage as in 3e-4,3e-4,1e-3; a larger cost gives fewer non-zeros
     #[arg(long, value_delimiter = ',', value_parser = single)]

@@ -42,6 +42,7 @@ pub(super) fn recipes(args: &Args, from: Option<&Network>) -> Result<Vec<Recipe>
     set(&mut recipe.threshold_rate, args.threshold_rate);
     set(&mut recipe.averaging, args.averaging);
     set(&mut recipe.trained, args.only.map(Into::into));
+    set(&mut recipe.structure, args.structure);
     set(&mut recipe.validate_every, args.validate_every);
     set(&mut recipe.patience, args.patience);
     set(&mut recipe.lambda, Some(args.lambda.clone()).filter(|l| !l.is_empty()));
@@ -121,6 +122,7 @@ fn stated(option: &str, r: &Recipe) -> Option<String> {
         "threshold-rate" => r.threshold_rate.to_string(),
         "averaging" => r.averaging.to_string(),
         "only" => word(Only::from(r.trained)),
+        "structure" => r.structure.to_string(),
         "lambda" => joined(&r.lambda),
         "non-zeros" => r.budget.as_ref().map_or_else(|| "none".to_owned(), |b| joined(&b.non_zeros)),
         "budget-rate" => r.budget.as_ref().map_or(Budget::RATE, |b| b.rate).to_string(),
@@ -178,6 +180,7 @@ pub(super) fn command(args: &Args, r: &Recipe) -> String {
         "threshold-rate",
         "averaging",
         "only",
+        "structure",
         "lambda",
         "non-zeros",
     ]);
