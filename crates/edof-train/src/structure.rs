@@ -41,6 +41,12 @@ impl Structure {
         }
     }
 
+    /// Whether the structure holds single pixels' weights. Whitened coordinates mix pixels, so a step in them would undo what is held.
+    #[must_use]
+    pub const fn is_of_pixels(self) -> bool {
+        matches!(self, Self::Blocks(_))
+    }
+
     /// What is held of a network's weights, decided by these.
     #[must_use]
     pub fn held(self, form: &Form, layout: &Layout, weights: &[f32]) -> Held {

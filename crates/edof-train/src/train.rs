@@ -382,9 +382,9 @@ impl<'a> Trainer<'a> {
         if windows == 0 {
             return;
         }
-        let count = |t: usize| self.shares.iter().map(|s| s.judged.1[t]).sum::<u32>();
-        let measured: Vec<f32> =
-            (0..self.recipe.form.shrinkages()).map(|t| count(t) as f32 / windows as f32).collect();
+        let count = |t: usize| self.shares.iter().map(|s| s.judged.1[t]).sum::<u32>() as f32;
+        let all = 0..self.recipe.form.shrinkages();
+        let measured: Vec<f32> = all.map(|t| count(t) / windows as f32).collect();
         self.state.steering.step(budget, &measured, schedule);
     }
 }
@@ -447,8 +447,7 @@ impl Share {
 
 /// Share of the rate at a step: a short rise, then half a cosine down to a thousandth.
 fn schedule(step: u64, steps: u64) -> f32 {
-    let rise = ((step + 1) as f32 / WARM_UP as f32).min(1.0);
-    let done = step as f32 / steps as f32;
+    let (rise, done) = (((step + 1) as f32 / WARM_UP as f32).min(1.0), step as f32 / steps as f32);
     rise * (0.001 + 0.999 * 0.5 * (1.0 + (std::f32::consts::PI * done).cos()))
 }
 
@@ -467,9 +466,12 @@ fn start(recipe: &Recipe, dataset: &Dataset) -> Vec<f32> {
 
 /// Coordinates from a batch of training windows; the same for a resumed run.
 fn condition(recipe: &Recipe, dataset: &Dataset) -> Precondition {
-    let mut batch = Batch::new(recipe.form.window, WHITENING_WINDOWS);
+    if recipe.structure.is_of_pixels() {
+        return Precondition::of([]);
+    }
+    let (form, mut batch) = (&recipe.form, Batch::new(recipe.form.window, WHITENING_WINDOWS));
     dataset.draw(&mut Random::new(recipe.seed, u64::MAX, 1), &recipe.conditions, &mut batch);
-    Precondition::new(&Layout::new(&recipe.form), &batch.inputs, recipe.form.window.pixels(), WHITENING_FLOOR)
+    Precondition::new(&Layout::new(form), &batch.inputs, form.window.pixels(), WHITENING_FLOOR)
 }
 
 fn rates(layout: &Layout, recipe: &Recipe) -> Vec<f32> {
@@ -486,7 +488,7 @@ fn rates(layout: &Layout, recipe: &Recipe) -> Vec<f32> {
 /// # Errors
 /// [`RecipeError`] for a number of threads that no run can have.
 pub fn check_threads(threads: usize) -> Result<(), RecipeError> {
-    if (1..=256).contains(&threads) { Ok(()) } else { Err(value("threads", threads, "1 to 256")) }
+    (1..=256).contains(&threads).then_some(()).ok_or_else(|| value("threads", threads, "1 to 256"))
 }
 
 fn pool(threads: usize) -> Result<rayon::ThreadPool, RecipeError> {
