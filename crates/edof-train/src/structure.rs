@@ -47,6 +47,14 @@ impl Structure {
         matches!(self, Self::Blocks(_))
     }
 
+    /// Whether weights keep to the structure, up to rounding. Training from others would begin by ruining them. Blocks are chosen from any weights.
+    #[must_use]
+    pub fn is_kept_by(self, form: &Form, weights: &[f32]) -> bool {
+        let Held::Equal(partner) = self.held(form, &Layout::new(form), weights) else { return true };
+        let apart: f32 = weights.iter().zip(&partner).map(|(w, other)| (w - weights[*other]).powi(2)).sum();
+        apart <= 1e-4 * weights.iter().map(|w| w * w).sum::<f32>()
+    }
+
     /// What is held of a network's weights, decided by these.
     #[must_use]
     pub fn held(self, form: &Form, layout: &Layout, weights: &[f32]) -> Held {
@@ -222,11 +230,13 @@ mod tests {
         let layout = Layout::new(&form());
         for structure in [Structure::Symmetric, Structure::Blocks(0.5)] {
             let mut weights = random(layout.len());
+            assert_eq!(structure.is_kept_by(&form(), &weights), structure != Structure::Symmetric);
             let held = structure.held(&form(), &layout, &weights);
             held.impose(&mut weights);
             let once = weights.clone();
             held.impose(&mut weights);
             assert_eq!(once, weights, "{structure}");
+            assert!(structure.is_kept_by(&form(), &weights), "{structure}");
             // A resumed run finds what is held again.
             assert!(structure.held(&form(), &layout, &weights) == held, "{structure}");
         }

@@ -6,6 +6,7 @@ use crate::form;
 use crate::provenance::CommandLine;
 use crate::said;
 use clap::ValueEnum;
+use edof_float::parameters::flatten;
 use edof_image::Tone;
 use edof_network::network::Network;
 use edof_train::budget::Budget;
@@ -43,6 +44,12 @@ pub(super) fn recipes(args: &Args, from: Option<&Network>) -> Result<Vec<Recipe>
     set(&mut recipe.averaging, args.averaging);
     set(&mut recipe.trained, args.only.map(Into::into));
     set(&mut recipe.structure, args.structure);
+    if let Some(from) = from.filter(|from| !recipe.structure.is_kept_by(&form, &flatten(from))) {
+        return Err(Error::message(format!(
+            "--structure {}: the network {} of --from was not trained with it; leave --from or --structure out",
+            recipe.structure, from.origin.name
+        )));
+    }
     set(&mut recipe.validate_every, args.validate_every);
     set(&mut recipe.patience, args.patience);
     set(&mut recipe.lambda, Some(args.lambda.clone()).filter(|l| !l.is_empty()));
