@@ -2,9 +2,12 @@
 """Mutants of the circuit: small faults in its Verilog, each of which a test must see.
 
 Without --draw those of mutants.json, each with the test that must see it. With --draw as many as are asked for, at random: what may see one is the
-bench of the calculator (`bench`), then a co-simulation with stalls and random contents at the start, where skipping of zeros is on and off (`cosim`),
-then the proofs of the blocks that it is in, then, with --core, the bench of the whole core. A mutant that nothing sees is tried for equivalence
-with the original; what is left is listed as survived.
+bench of the calculator (`bench`), then the quick tests of `circuits` that simulate its block, then the proofs of the blocks that it is in, then a
+co-simulation with stalls and random contents at the start, where skipping of zeros is on and off (`cosim`), then, with --core, the bench of the whole
+core. A mutant that nothing sees is equivalent if that is proven (equivalence.py) or equivalent-mutants.json gives the reason; what is left is listed as survived.
+
+What was drawn on one revision is kept in its folder under --out: a run that was stopped goes on, and the score is that of all runs. Exit status 1 if
+less than 95 % of a block's were seen, or one that is listed as equivalent was.
 """
 
 import argparse
@@ -20,11 +23,16 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
+import equivalence
 import prove
+from circuit_tests import CircuitTests, module
 
 HERE = pathlib.Path(__file__).parent
+# Share of a block's mutants that must be seen.
+LEAST = 0.95
 # What is no part of a circuit's behaviour: comments, declarations, ports, parameters, memory images, checks of the simulation.
 SKIPPED = re.compile(r"^\s*(//|`|\(\*|input |output |inout |module |endmodule|reg [^=]*;|wire [^=]*;|integer |initial|parameter |genvar |"
                      r"for |localparam [^=]*\b(INIT|IMAGE)|wire unused|generate|endgenerate|begin|end\b|\)|#?\(|if \(image)|\$fatal|\$fopen|\$fclose|\$readmem|INIT")
@@ -34,6 +42,15 @@ SWAPS = [("and-or", " && ", " || "), ("or-and", " || ", " && "), ("equal-unlike"
          ("plus-minus", " + ", " - "), ("minus-plus", " - ", " + "), ("above-from", " > ", " >= "), ("from-above", " >= ", " > "),
          ("below-upto", " < ", " <= "), ("left-right", " << ", " >> "), ("right-left", " >> ", " << "), ("bits-and-or", " & ", " | "),
          ("bits-or-and", " | ", " & "), ("xor-or", " ^ ", " | ")]
+
+
+def closing(code, at):
+    """Behind the bracket that closes the one before `at`."""
+    depth = 1
+    while depth and at < len(code):
+        depth += {"(": 1, ")": -1}.get(code[at], 0)
+        at += 1
+    return at
 
 
 def sites(text):
@@ -59,9 +76,10 @@ def sites(text):
             value = int(digits, {"d": 10, "h": 16, "b": 2}[base])
             if bits <= 64:
                 add("off-by-one", f"{code[:at.start()]}{bits}'d{(value + 1) % (1 << bits)}{code[at.end():]}")
-        for at in re.finditer(r"\bif \((.*)\)(?= )", code):
-            add("always", f"{code[:at.start()]}if (1'b1){code[at.end():]}")
-            add("never", f"{code[:at.start()]}if (1'b0){code[at.end():]}")
+        for at in re.finditer(r"\bif \(", code):
+            end = closing(code, at.end())
+            add("always", f"{code[:at.start()]}if (1'b1){code[end:]}")
+            add("never", f"{code[:at.start()]}if (1'b0){code[end:]}")
         for at in re.finditer(r"\? (\(.*?\)|[^?:()]+) : (\(.*\)|[^?:()]+)(?=;|\))", code):
             add("swapped-choice", f"{code[:at.start()]}? {at[2]} : {at[1]}{code[at.end():]}")
         at = re.fullmatch(r"(\s*(?:if \(.*\) |else |else if \(.*\) |\d+'d\d+: )?)([\w\[\]:]+ (<=|=) .*;)\s*", code)
@@ -74,10 +92,11 @@ def sites(text):
 
 
 class Mutant:
-    """A fault in one file."""
+    """A fault in one file. One that was drawn changes the line `was`, the `place`th of its kind, to `line`."""
 
-    def __init__(self, name, file, text, what):
+    def __init__(self, name, file, text, what, was=None, place=None, line=None):
         self.name, self.file, self.text, self.what = name, file, text, what
+        self.was, self.place, self.line = was, place, line
 
 
 def run(command, folder, said, limit=None):
@@ -95,7 +114,7 @@ def run(command, folder, said, limit=None):
 
 
 def bench_of(generated, mutant, bench, limit, out):
-    """Whether a bench of the generated directory sees the mutant; nothing where it is no Verilog any more."""
+    """Whether a bench of the generated directory sees the mutant."""
     with tempfile.TemporaryDirectory(dir=out) as folder:
         folder = pathlib.Path(folder)
         for part in ("mem", "sim"):
@@ -112,13 +131,24 @@ def bench_of(generated, mutant, bench, limit, out):
         with open(folder / "said", "w+") as said:
             command = ["iverilog", "-g2012", "-Wno-timescale", "-s", f"edof_{bench}", "-o", "bench", "-c", f"sim/{bench}.f"]
             if run(command, folder, said):
-                return None
+                return True
             # A mutant may stand still in one instant.
             said.seek(0)
             said.truncate()
             run(["vvp", "-n", "bench"], folder, said, limit)
             said.seek(0)
             return "PASS" not in said.read(1 << 20)
+
+
+def is_verilog(generated, mutant, out):
+    """Whether Icarus takes the file."""
+    with tempfile.TemporaryDirectory(dir=out) as folder:
+        folder = pathlib.Path(folder)
+        (folder / mutant.file).write_text(mutant.text)
+        others = sorted(path for path in (generated / "rtl").glob("*.v") if path.name != mutant.file)
+        with open(folder / "said", "w") as said:
+            command = ["iverilog", "-g2012", "-Wno-timescale", "-t", "null", "-s", mutant.file.removesuffix(".v"), mutant.file, *others]
+            return run(command, folder, said) == 0
 
 
 # What a co-simulation draws: stalls, start-up contents, windows with extreme values or a picture's, and whether zeros are skipped.
@@ -149,24 +179,6 @@ def proof_of(generated, mutant, task, out, patience):
         return how.startswith("FAIL")
 
 
-def is_equivalent(generated, mutant, out, patience):
-    """Whether Yosys proves that the mutant is no other circuit, registers by their names."""
-    module = mutant.file.removesuffix(".v")
-    with tempfile.TemporaryDirectory(dir=out) as folder:
-        folder = pathlib.Path(folder)
-        (folder / "gate.v").write_text(mutant.text)
-        (folder / "gold.v").write_text((generated / "rtl" / mutant.file).read_text())
-        boxes = " ".join(str(path) for path in sorted((generated / "rtl").glob("*.v")) if path.name not in (mutant.file, "kc705_top.v"))
-        side = f"hierarchy -top {module}; proc; memory; opt_clean; "
-        script = (f"read_verilog gold.v; read_verilog -lib {boxes}; {side} rename {module} gold; design -stash gold; "
-                  f"read_verilog gate.v; read_verilog -lib {boxes}; {side} rename {module} gate; design -stash gate; "
-                  "design -copy-from gold -as gold gold; design -copy-from gate -as gate gate; "
-                  "equiv_make gold gate equal; hierarchy -top equal; opt_clean; equiv_struct; equiv_simple -seq 3; equiv_induct -seq 3; "
-                  "equiv_status -assert")
-        with open(folder / "said", "w") as said:
-            return run(["yosys", "-q", "-p", script], folder, said, 60 * patience) == 0
-
-
 def curated(generated):
     """Those of mutants.json."""
     for row in json.loads((HERE / "mutants.json").read_text()):
@@ -187,11 +199,12 @@ def drawn(generated, blocks, seed):
     draw.shuffle(places)
     for file, operator, number, line in places:
         lines = (generated / "rtl" / file).read_text().split("\n")
+        place = lines[:number].count(lines[number])
         was, lines[number] = lines[number], line
-        yield Mutant(f"{file}:{number + 1}:{operator}", file, "\n".join(lines), f"{was.strip()} -> {line.strip()}")
+        yield Mutant(f"{file}:{number + 1}:{operator}", file, "\n".join(lines), f"{was.strip()} -> {line.strip()}", was, place, line)
 
 
-class Tests:
+class Judges:
     """What there is to see a mutant."""
 
     def __init__(self, options, out):
@@ -206,21 +219,24 @@ class Tests:
                     if not (HERE / file).exists():
                         self.of_file[file].append(task["name"])
         self.in_bench = {"bench": self.below("chain"), "core_bench": self.below("edof_core")}
+        self.circuits = None if options.draw is None else CircuitTests(run, self.generated / "rtl", out / "tests.json", options.jobs)
 
     def below(self, top):
         """The files of a module and of all its parts."""
         texts = {path.stem: path.read_text() for path in (self.generated / "rtl").glob("*.v")}
         found, left = set(), [top]
         while left:
-            module = left.pop()
-            if module not in found:
-                found.add(module)
-                left += [part for part in re.findall(r"^\s*(\w+) (?:#\(|\w+ \()", texts[module], re.MULTILINE) if part in texts]
+            module_ = left.pop()
+            if module_ not in found:
+                found.add(module_)
+                left += [part for part in re.findall(r"^\s*(\w+) (?:#\(|\w+ \()", texts[module_], re.MULTILINE) if part in texts]
         # What the benches of a frame of another size replace has another text there.
         replaced = {path.name for path in (self.generated / "sim" / "rtl").glob("*.v")} if top != "chain" else set()
-        return {f"{module}.v" for module in found} - replaced
+        return {f"{name}.v" for name in found} - replaced
 
-    def sees(self, name, mutant):
+    def sees(self, name, mutant, folder=None):
+        if "::" in name:
+            return self.circuits.sees(name, mutant, folder)
         if name in self.in_bench:
             return bench_of(self.generated, mutant, name, self.limit * (40 if name == "core_bench" else 1), self.out)
         if name == "cosim":
@@ -228,39 +244,72 @@ class Tests:
         return proof_of(self.generated, mutant, self.tasks[name], self.out, self.patience)
 
     def names(self, file):
-        benches = ["bench", "cosim"] if file in self.in_bench["bench"] else []
-        return benches + self.of_file[file] + (["core_bench"] if self.core and file in self.in_bench["core_bench"] else [])
+        """Who judges the mutants of a file, the quickest first."""
+        in_chain, in_core = (file in self.in_bench[bench] for bench in ("bench", "core_bench"))
+        quick = (["bench"] if in_chain else []) + self.circuits.of(file, 300 * self.patience) + self.of_file[file]
+        return quick + (["cosim"] if in_chain else []) + (["core_bench"] if self.core and in_core else [])
 
     def verdict(self, mutant):
         """By what it is seen, or what else becomes of it."""
-        for name in self.names(mutant.file):
-            seen = self.sees(name, mutant)
-            if seen is None:
-                return "no Verilog"
-            if seen:
-                return f"seen by {name}"
-        return "equivalent" if is_equivalent(self.generated, mutant, self.out, self.patience) else "survived"
+        if not is_verilog(self.generated, mutant, self.out):
+            return "no Verilog"
+        with tempfile.TemporaryDirectory(dir=self.out) as folder:
+            folder = pathlib.Path(folder)
+            for name in self.names(mutant.file):
+                if self.sees(name, mutant, folder):
+                    return f"seen by {name}"
+            same = equivalence.is_equivalent(self.generated / "rtl", mutant.file, mutant.text, run, folder, 60 * self.patience)
+            return "equivalent" if same else "survived"
 
 
-def score(results, out):
-    """A table by block, and whoever survived."""
-    blocks, by = collections.defaultdict(collections.Counter), collections.Counter()
-    for mutant, verdict in results:
-        blocks[mutant.file.removesuffix(".v")][verdict.split(" by ")[0]] += 1
-        if verdict.startswith("seen by "):
-            by[verdict.removeprefix("seen by ")] += 1
-    lines = ["| block | drawn | seen | equivalent | survived |", "|---|---|---|---|---|"]
-    total = collections.Counter()
-    for block, counts in sorted(blocks.items()):
-        total.update(counts)
-        lines.append(f"| `{block}` | {sum(counts.values())} | {counts['seen']} | {counts['equivalent']} | {counts['survived']} |")
-    lines.append(f"| all | {sum(total.values())} | {total['seen']} | {total['equivalent']} | {total['survived']} |")
-    others = total["seen"] + total["survived"]
-    lines += ["", f"{total['seen']} of {others} that are no equivalents were seen, {100 * total['seen'] / max(1, others):.1f} %: "
-              + ", ".join(f"{count} by {name}" for name, count in by.most_common()) + "."]
-    lines += [f"- survived: `{mutant.name}`: `{mutant.what}`" for mutant, verdict in results if verdict == "survived"]
-    (out / "score.md").write_text("\n".join(lines) + "\n")
-    print("\n".join(lines), flush=True)
+class Drawn:
+    """The mutants that were drawn on a revision, with the verdict of each; a file of lines of JSON has them."""
+
+    def __init__(self, path):
+        self.path, self.lock = path, threading.Lock()
+        self.rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+
+    def known(self, mutant):
+        """The verdict of a mutant that was drawn before."""
+        return next((row["verdict"] for row in self.rows if (row["name"], row["what"]) == (mutant.name, mutant.what)), None)
+
+    def add(self, mutant, verdict):
+        row = {"name": mutant.name, "block": module(mutant.file), "what": mutant.what, "verdict": verdict}
+        with self.lock, self.path.open("a") as file:
+            file.write(json.dumps(row) + "\n")
+            self.rows.append(row)
+
+    def score(self, out):
+        """A table by block, and whoever survived; whether it is enough."""
+        reasons = {(row["block"], row["what"]): row["why"] for row in json.loads((HERE / "equivalent-mutants.json").read_text())}
+        blocks, by = collections.defaultdict(collections.Counter), collections.Counter()
+        survived, equivalent, wrong = [], [], []
+        for row in self.rows:
+            verdict, judge = (row["verdict"].split(" by ") + [None])[:2]
+            why = reasons.get((row["block"], row["what"]))
+            if verdict == "survived":
+                verdict = "equivalent" if why else "survived"
+                (equivalent if why else survived).append(f"`{row['name']}`: `{row['what']}`" + (f": {why}" if why else ""))
+            elif why and verdict == "seen":
+                wrong.append(f"`{row['name']}`: `{row['what']}` by {judge}")
+            if verdict != "no Verilog":
+                blocks[row["block"]][verdict] += 1
+            if judge:
+                by["a test of circuits" if "::" in judge else judge] += 1
+        total = sum(blocks.values(), collections.Counter())
+        lines = ["| block | drawn | seen | equivalent | survived |", "|---|---|---|---|---|"]
+        for name, count in [*((f"`{block}`", count) for block, count in sorted(blocks.items())), ("all", total)]:
+            lines.append(f"| {name} | {sum(count.values())} | {count['seen']} | {count['equivalent']} | {count['survived']} |")
+        share = {block: count["seen"] / max(1, count["seen"] + count["survived"]) for block, count in [*blocks.items(), ("all", total)]}
+        lines += ["", f"{total['seen']} of {total['seen'] + total['survived']} that are no equivalents were seen, {100 * share['all']:.1f} %: "
+                  + ", ".join(f"{count} by {name}" for name, count in by.most_common()) + "."]
+        lines += [f"- survived: {what}" for what in survived] + [f"- equivalent by its reason: {what}" for what in equivalent]
+        lines += [f"- listed as equivalent, but seen: {what}" for what in wrong]
+        (out / "score.md").write_text("\n".join(lines) + "\n")
+        print("\n".join(lines), flush=True)
+        # A block of which nothing but equivalents was drawn has no share.
+        weak = [block for block, count in blocks.items() if count["survived"] and share[block] < LEAST]
+        return not weak and not wrong
 
 
 def main():
@@ -278,46 +327,56 @@ def main():
     parser.add_argument("block", nargs="*", help="only mutants of these blocks")
     options = parser.parse_args()
     out = options.out.resolve()
-    shutil.rmtree(out, ignore_errors=True)
-    out.mkdir(parents=True)
-    tests = Tests(options, out)
+    out.mkdir(parents=True, exist_ok=True)
+    judges = Judges(options, out)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, prove.stop)
-    start = time.monotonic()
     # What the original does not pass in time would see every mutant.
     file = "chain.v"
     for name in ["bench"] if options.draw is None else ["bench", "cosim"]:
-        if tests.sees(name, Mutant("none", file, (tests.generated / "rtl" / file).read_text(), "")) is not False:
+        if judges.sees(name, Mutant("none", file, (judges.generated / "rtl" / file).read_text(), "")):
             sys.exit(f"mutants.py: {name} does not pass without a fault in time; give it longer than {options.limit:.0f} s by --limit")
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        if options.draw is None:
-            rows = [row for row in curated(tests.generated) if not options.block or row[0].file.removesuffix(".v") in options.block]
-            waiting = {pool.submit(tests.sees, by, mutant): (mutant, by) for mutant, by in rows}
-            missed = 0
-            for job in concurrent.futures.as_completed(waiting):
-                mutant, by = waiting[job]
-                missed += not job.result()
-                print(f"{'seen  ' if job.result() else 'MISSED'} {mutant.name} in {mutant.file} by {by}", flush=True)
-            if missed:
-                sys.exit(f"{missed} of {len(rows)} mutants were not seen")
-            print(f"all {len(rows)} mutants were seen in {time.monotonic() - start:.0f} s")
-            return
-        known = {file for file in (path.name for path in (tests.generated / "rtl").glob("*.v")) if tests.names(file)}
-        wanted = {f"{block}.v" for block in options.block} or known
-        source, results = drawn(tests.generated, wanted & known, options.seed), []
+        test_table(judges, options, pool) if options.draw is None else test_drawn(judges, options, pool)
 
-        def one(mutant):
-            verdict = tests.verdict(mutant)
+
+def test_table(judges, options, pool):
+    """Each mutant of mutants.json by the test that must see it."""
+    start = time.monotonic()
+    rows = [row for row in curated(judges.generated) if not options.block or row[0].file.removesuffix(".v") in options.block]
+    waiting = {pool.submit(judges.sees, by, mutant): (mutant, by) for mutant, by in rows}
+    missed = 0
+    for job in concurrent.futures.as_completed(waiting):
+        mutant, by = waiting[job]
+        missed += not job.result()
+        print(f"{'seen  ' if job.result() else 'MISSED'} {mutant.name} in {mutant.file} by {by}", flush=True)
+    if missed:
+        sys.exit(f"{missed} of {len(rows)} mutants were not seen")
+    print(f"all {len(rows)} mutants were seen in {time.monotonic() - start:.0f} s")
+
+
+def test_drawn(judges, options, pool):
+    """As many mutants at random as are asked for. What is no Verilog any more is drawn again."""
+    files = {path.name for path in (judges.generated / "rtl").glob("*.v")}
+    wanted = {f"{block}.v" for block in options.block} or files
+    source = drawn(judges.generated, {file for file in wanted & files if judges.names(file)}, options.seed)
+    kept, count = Drawn(judges.out / "drawn.jsonl"), 0
+
+    def one(mutant):
+        verdict = kept.known(mutant)
+        if verdict is None:
+            verdict = judges.verdict(mutant)
+            kept.add(mutant, verdict)
             print(f"{verdict}: {mutant.name}: {mutant.what}", flush=True)
-            return mutant, verdict
+        return verdict
 
-        # What is no Verilog any more is drawn again.
-        while len(results) < options.draw:
-            batch = [mutant for mutant, _ in zip(source, range(options.draw - len(results)))]
-            if not batch:
-                break
-            results += [result for result in pool.map(one, batch) if result[1] != "no Verilog"]
-        score(results, out)
+    while count < options.draw:
+        batch = [mutant for mutant, _ in zip(source, range(options.draw - count))]
+        if not batch:
+            break
+        count += sum(verdict != "no Verilog" for verdict in pool.map(one, batch))
+    if not kept.score(judges.out):
+        sys.exit(1)
 
 
 if __name__ == "__main__":

@@ -28,6 +28,13 @@ need_simulators() {
     [ "${#missing[@]}" -eq 0 ] || install_packages "${missing[@]}"
 }
 
+# Installs a driver for OpenCL that runs on the processor (pocl), where there is none at all. A driver that was removed may leave its name.
+need_opencl() {
+    if ! ldconfig -p | grep 'libOpenCL\.so' >/dev/null || [ -z "$(ls /etc/OpenCL/vendors/*.icd 2>/dev/null)" ]; then
+        install_packages ocl-icd-libopencl1 pocl-opencl-icd
+    fi
+}
+
 # Installs Python with its virtual environments, where it is missing: for whoever compares with the NumPy oracle.
 need_python() {
     python3 -c 'import venv, ensurepip' 2>/dev/null || install_packages python3 python3-venv

@@ -4,8 +4,5 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
-# A driver that was removed may leave its name.
-if ! ldconfig -p | grep 'libOpenCL\.so' >/dev/null || [ -z "$(ls /etc/OpenCL/vendors/*.icd 2>/dev/null)" ]; then
-    install_packages ocl-icd-libopencl1 pocl-opencl-icd
-fi
+need_opencl
 cargo test --locked --release --package edof-gpu -- --include-ignored

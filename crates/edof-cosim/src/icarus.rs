@@ -2,7 +2,7 @@
 
 use crate::error::{Error, at};
 use crate::rows::{Layout, Rows, Slot, mask};
-use crate::{Source, tool, work};
+use crate::{Source, mutant, tool, work};
 use edof_storage::atomic::WorkFolder;
 use std::fmt::Write;
 use std::fs;
@@ -82,7 +82,7 @@ pub fn run(source: &Source, stimulus: &Rows, memory_dir: Option<&Path>) -> Resul
 }
 
 fn compile(source: &Source, bench: &str, work: &WorkFolder) -> Result<(), Error> {
-    source.write(work.path())?;
+    mutant::simulated(source)?.write(work.path())?;
     let path = work.path().join("edof_bench.v");
     fs::write(&path, bench).map_err(at(&path))?;
     let is_system = source.file_names().any(|name| name.ends_with(".sv"));

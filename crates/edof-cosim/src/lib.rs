@@ -49,6 +49,7 @@ pub mod finding;
 pub mod icarus;
 pub mod junit;
 pub mod lint;
+mod mutant;
 pub mod promise;
 pub mod rows;
 pub mod source;

@@ -1,7 +1,7 @@
 //! Every block, given the same stimulus in rust-hdl's simulation, in Verilator and in Icarus: the same outputs in every cycle.
 
 use crate::common::{committed, networks};
-use crate::differential::{agree, agree_with_images, bit, ported, word};
+use crate::differential::{RESET, agree, agree_with_images, bit, ported, resets, word};
 use edof_device::Design;
 use edof_device::design::memory::{self, Shifts, Space};
 use edof_device::design::reading;
@@ -28,6 +28,7 @@ use edof_hdl::blocks::shrink::Shrink;
 use edof_hdl::blocks::stage::Stage;
 use edof_hdl::blocks::window_guard::WindowGuard;
 use edof_hdl::blocks::window_ring::WindowRing;
+use edof_hdl::crossing::reset_sync::RESET_CYCLES;
 use edof_image::draw::Draw;
 use edof_network::FixedNetwork;
 use edof_network::network::{Recurrence, Shrinkage};
@@ -37,9 +38,6 @@ use rust_hdl::prelude::*;
 ported!(BaseRing, Counters, DenseOperands, DenseStore, Difference, Drain, PairOperands, PairStore, Registers);
 ported!(Reader, Requantize, Results, Sequencer, Shrink, Stage, WindowGuard, WindowRing);
 ported!(LeavesTop, RamTop, FifoTop, MaccTop, CheckTop);
-
-/// Cycles of reset at the start of every stimulus.
-const RESET: u64 = 48;
 
 /// The leaves `edof_delay` and `edof_add` in a module of their own.
 #[derive(Circuit)]
@@ -113,7 +111,7 @@ impl Logic for CheckTop {
 fn frame_check() {
     let top = CheckTop::from_parts(CheckTopParts { narrow: FrameCheck::new(2), wide: FrameCheck::new(7) });
     agree(top, RESET as usize, &[], |b, draw, last| {
-        b.reset.next = last.cycle < RESET || draw.whole(0, 400) == 0;
+        b.reset.next = last.cycle < RESET || draw.whole(0, 24) == 0;
         b.valid.next = bit(draw);
         b.data.next = word(draw);
         b.snapshot.next = draw.whole(0, 9) == 0;
@@ -180,8 +178,8 @@ fn counters() {
 fn reader() {
     // From the first command on all is known.
     agree(Reader::new(), RESET as usize + 5, &[], |b, draw, last| {
-        b.reset.next = last.cycle < RESET || draw.whole(0, 1500) == 0;
-        b.starts.next = last.cycle == RESET + 2 || last.cycle > RESET && draw.whole(0, 500) == 0;
+        b.reset.next = last.cycle < RESET || draw.whole(0, 400) == 0;
+        b.starts.next = last.cycle == RESET + 2 || last.cycle > RESET && draw.whole(0, 300) == 0;
         b.command.next = (draw.bits() >> 44 << 12 | draw.whole(0, 2) as u64).into();
         b.grant.next = last.is("request_weights") && draw.whole(0, 3) == 0;
         b.weights.next = if draw.whole(0, 100) == 0 { word(draw) } else { 0.into() };
@@ -234,7 +232,7 @@ fn registers() {
 /// A vector's beats as they come and a store's slots as they are freed: for stores of M and I.
 macro_rules! drive_store {
     ($b:ident, $draw:ident, $last:ident, $beats:expr) => {
-        $b.reset.next = $last.cycle < RESET;
+        $b.reset.next = resets($last, $draw);
         let beat = $last.count(|last| last.all(&["valid", "ready"]) && !last.is("reset"));
         let freed = $last.count_too(|last| last.is("finished"));
         let whole = $last.count_of("whole", |last| last.is("arrived"));
@@ -287,7 +285,7 @@ fn window_ring() {
     let stage = committed("tiny").stage(3);
     let (beats, places) = (stage.linear as u64 / 2, stage.kept_windows as u64);
     agree(WindowRing::new(&stage), RESET as usize + 1500, &[], move |b, draw, last| {
-        b.reset.next = last.cycle < RESET;
+        b.reset.next = resets(last, draw);
         let beat = last.count(|last| last.all(&["valid", "ready"]) && !last.is("reset"));
         let freed = last.count_too(|last| last.is("finished"));
         b.valid.next = last.cycle > RESET && draw.whole(0, 9) > 0;
@@ -307,7 +305,7 @@ fn base_ring() {
     let stage = committed("tiny").stage(1);
     let depth = 7 * stage.beats_in() as u64;
     agree(BaseRing::new(&stage), 250, &[], move |b, draw, last| {
-        b.reset.next = last.cycle < RESET;
+        b.reset.next = resets(last, draw);
         let held = last.count(|last| last.is("write")) - last.count_too(|last| last.is("read"));
         b.write.next = last.cycle > RESET && held < depth && bit(draw);
         b.words.next = word(draw);
@@ -320,7 +318,7 @@ fn drain() {
     for stage in committed("tiny").stages() {
         let mut under_way = 0;
         agree(Drain::new(&stage), 3 * RESET as usize, &[], move |b, draw, last| {
-            b.reset.next = last.cycle < RESET;
+            b.reset.next = resets(last, draw);
             let outside =
                 last.count(|last| last.is("take")) - last.count_too(|last| last.is("credit_return"));
             // A pass begins when one may, and its last step is issued some cycles later.
@@ -331,6 +329,9 @@ fn drain() {
                 0 => 0,
                 left => left - 1,
             };
+            if b.reset.next {
+                under_way = 0;
+            }
             b.set.next = bit(draw);
             b.credit_return.next = outside > 0 && draw.whole(0, 3) > 0;
         });
@@ -346,7 +347,7 @@ fn sequencer() {
     for stage in [tiny.stage(0), tiny.stage(1), tiny.stage(3), single.stage(3)] {
         let steps = stage.inputs as i64 / stage.rows as i64;
         agree(Sequencer::new(&stage), 3 * RESET as usize, &[], move |b, draw, last| {
-            b.reset.next = last.cycle < RESET;
+            b.reset.next = resets(last, draw);
             let held = last.count(|last| last.is("arrived")) - last.count_too(|last| last.is("finished"));
             b.arrived.next = last.cycle > RESET && held < 4 && bit(draw);
             let before_last = if bit(draw) { draw.whole(0, 2) } else { draw.whole(0, steps - 1) } as u64;
@@ -413,7 +414,7 @@ fn results() {
         let (beats, depth) = (plan.beats_out() as u64, 7 * plan.beats_in() as u64);
         let block = Results::new(&design, &plan, [&sets[0], &sets[1]]);
         agree_with_images(block, 300, &[], &images, move |b, draw, last| {
-            b.reset.next = last.cycle < RESET;
+            b.reset.next = resets(last, draw);
             let held = last.count(|last| last.is("base_write")) - last.count_too(|last| last.is("take"));
             let taken = last.count_of("taken", |last| last.is("take"));
             b.base_write.next = last.cycle > RESET && held < depth && draw.whole(0, 3) > 0;
@@ -509,7 +510,7 @@ impl Logic for FifoTop {
 #[test]
 fn fifo() {
     agree(FifoTop::default(), RESET as usize, &[("front", "valid")], |b, draw, last| {
-        b.reset.next = last.cycle < RESET;
+        b.reset.next = resets(last, draw);
         let pushed = last.count(|last| last.is("push"));
         let taken = last.count_too(|last| last.all(&["valid", "ready"]) && !last.is("reset"));
         // Who pushes knows that there is room; for a while nobody takes, for a while nobody pushes.
@@ -626,10 +627,14 @@ fn stage() {
         let (beats, pixels) = (plan.beats_in() as u64, plan.linear as u64 / 2);
         let block = Stage::new(design, &plan, [&sets[0], &sets[1]]);
         let qualified = ["out_data", "out_base", "out_last", "out_set"].map(|port| (port, "out_valid"));
+        let mut rests = 0;
         agree_with_images(block, RESET as usize, &qualified, &images(design, &sets), move |b, draw, last| {
-            b.reset.next = last.cycle < RESET;
+            // A reset lasts until all words in flight have come.
+            rests =
+                if last.cycle > RESET && resets(last, draw) { RESET_CYCLES } else { rests.saturating_sub(1) };
+            b.reset.next = last.cycle < RESET || rests > 0;
             b.flush.next = false;
-            let busy = last.cycle > RESET + 2;
+            let busy = last.cycle > RESET + 2 && rests == 0;
             let beat = last.count(|last| last.all(&["valid", "ready"]) && !last.is("reset"));
             let pixel =
                 last.count_too(|last| last.all(&["window_valid", "window_ready"]) && !last.is("reset"));

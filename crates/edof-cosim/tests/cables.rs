@@ -4,6 +4,7 @@
 use crate::common::{committed, networks};
 use crate::support;
 use edof_board::Board;
+use edof_board::chips::{Bus, ChipRegister};
 use edof_board::link::PATIENCE;
 use edof_chips::adv7511::State as Sending;
 use edof_chips::adv7611::State;
@@ -170,6 +171,14 @@ fn a_receiver_held_in_reset_is_named_and_the_picture_comes_when_it_is_let_go() {
     cables.card.borrow_mut().short_reset(false);
     assert!(setup.shows(cables));
     assert!(comes_to(&mut host, &[("status.i2c_done", 1), ("status.i2c_failed", 0)]));
+    // The lights say what the status says, and the seventh that a screen is plugged in.
+    assert_eq!(field(&mut host, "transmitter.hot_plug"), 1);
+    let status = field(&mut host, "status") & 0x3f;
+    assert_eq!(host.line().leds().unwrap(), u64::from(status | 0x40), "{status:#x}");
+    // Each bus answers for its own chips: the transmitter's and the receiver's revision.
+    let [transmitter, receiver] = [(Bus::Board, 0x39, 0), (Bus::Card, 0x4c, 0xea)]
+        .map(|(bus, device, register)| host.read_chip(ChipRegister { bus, device, register }).unwrap());
+    assert_eq!((transmitter, receiver), (0x12, 0x20));
 }
 
 /// The image of a program that the core runs in place of its own on that bus.

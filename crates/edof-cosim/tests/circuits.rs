@@ -3,6 +3,7 @@
 mod agents;
 mod blocks;
 mod board;
+mod board_blocks;
 mod both_simulators;
 mod cables;
 mod calculator_clock;
@@ -23,6 +24,7 @@ mod full_width;
 mod generated;
 mod host;
 mod i2c;
+mod i2c_programs;
 mod icarus;
 mod kernels;
 mod lint;

@@ -270,6 +270,14 @@ fn whatever_happens_no_picture_is_torn_and_the_right_counter_counts() {
     rig.send(1).unwrap();
     recovers(&mut rig, "size");
 
+    // The memory is lost in the middle of bursts, and comes back.
+    rig.bench.set("dram_ready_i", 0).unwrap();
+    rig.steps(5_000).unwrap();
+    assert_eq!(rig.register("status").unwrap() & 1, 0, "a memory that is not ready");
+    rig.bench.set("dram_ready_i", 1).unwrap();
+    recovers(&mut rig, "memory");
+    assert_eq!(rig.register("status").unwrap() & 1, 1);
+
     // Resets at any moment, the memory alive: in the middle of bursts, and with words in flight that come thousands of cycles later.
     for behaviour in [Behaviour::hard(1), Behaviour::starving(2), Behaviour::starving(3)] {
         rig.memory.behaviour = behaviour;

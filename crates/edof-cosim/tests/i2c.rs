@@ -19,11 +19,11 @@ const DEPTH: usize = 512;
 
 /// Chips as memories, and what was written to them and read of them: device, register, value, whether it was read.
 #[derive(Clone, Default)]
-struct Chips {
-    registers: BTreeMap<(u8, u8), u8>,
+pub struct Chips {
+    pub registers: BTreeMap<(u8, u8), u8>,
     missing: Vec<u8>,
     pointer: u8,
-    log: Vec<(u8, u8, u8, bool)>,
+    pub log: Vec<(u8, u8, u8, bool)>,
 }
 
 impl Chips {
@@ -91,11 +91,11 @@ enum Talk {
 }
 
 /// The same chips on two wires.
-struct Wire {
+pub struct Wire {
     clock: ClockId,
     /// `scl`, `sda`, `scl_low`, `sda_low`.
     ports: [usize; 4],
-    chips: Chips,
+    pub chips: Chips,
     draw: Draw,
     /// Rejected bytes, in percent.
     refuses: i64,
@@ -225,14 +225,14 @@ impl Actor for Wire {
     }
 }
 
-struct Rig {
+pub struct Rig {
     bench: Bench,
-    wire: Wire,
+    pub wire: Wire,
     _images: tempfile::TempDir,
 }
 
 impl Rig {
-    fn new(program: &[Entry], chips: Chips, seed: u64) -> Self {
+    pub fn new(program: &[Entry], chips: Chips, seed: u64) -> Self {
         let any = vec![Entry { action: Action::End, doc: "" }; DEPTH - 1];
         let source = Source::circuit(&mut ChipSetup::new(&PACE, &any, "mem/i2c.mem", false)).unwrap();
         let images = tempfile::tempdir().unwrap();
@@ -266,11 +266,11 @@ impl Rig {
         panic!("{what}: it does not come; word {:08x}", self.get("word_o"));
     }
 
-    fn get(&mut self, port: &str) -> u64 {
+    pub fn get(&mut self, port: &str) -> u64 {
         self.bench.get(port).unwrap()
     }
 
-    fn done(&mut self) {
+    pub fn done(&mut self) {
         self.until("done", |rig| rig.get("done_o") + rig.get("failed_o") > 0);
         assert_eq!((self.get("done_o"), self.get("failed_o")), (1, 0), "{:08x}", self.get("word_o"));
     }
@@ -305,7 +305,7 @@ fn with_screen() -> Chips {
 }
 
 /// A few polls of a program in the model.
-fn modelled(program: &[Entry], chips: Chips, entries: usize) -> Setup<Chips> {
+pub fn modelled(program: &[Entry], chips: Chips, entries: usize) -> Setup<Chips> {
     let mut setup = Setup::new(chips, program.to_vec(), false);
     while setup.bus.log.len() < entries {
         setup.step(SETTINGS);

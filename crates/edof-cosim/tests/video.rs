@@ -14,6 +14,7 @@ use edof_golden::{Curve, Display as GoldenDisplay};
 use edof_hdl::video::display::{Display, TABLE_IMAGES};
 use edof_hdl::video::lines::Lines;
 use edof_hdl::video::window_reorder::WindowReorder;
+use edof_image::display::{TO_LUMA, TO_LUMA_SHIFT};
 use edof_image::draw::Draw;
 use edof_image::{CfaPhase, DisplayMode, Frame422, Geometry, RawFrame, Stride, Window};
 use ndarray::Array2;
@@ -147,6 +148,11 @@ fn load_random_tables(golden: &mut GoldenDisplay, bench: &mut streams::Bench, dr
     let colours = [colour(), colour(), colour()];
     golden.luma = LumaTable::from_entries(luma).unwrap();
     golden.colours = colours.map(|entries| ColourTable::from_entries(entries).unwrap());
+    load_tables(golden, bench);
+}
+
+/// Writes all tables by the circuit's port.
+fn load_tables(golden: &GoldenDisplay, bench: &mut streams::Bench) {
     let (luma, colours) = tables(golden);
     bench.poke("table_write_i", 1);
     for (select, entries) in std::iter::once(&luma).chain(&colours).enumerate() {
@@ -158,6 +164,41 @@ fn load_random_tables(golden: &mut GoldenDisplay, bench: &mut streams::Bench, dr
         }
     }
     bench.poke("table_write_i", 0);
+}
+
+/// Red, green and blue after their tables, whose sum lies so that a unit more or less gives another luma code.
+fn decided_by_a_unit(draw: &mut Draw, remainder: i64) -> [u16; 3] {
+    let unit = 1i64 << TO_LUMA_SHIFT;
+    let sum = |colours: [u16; 3]| {
+        TO_LUMA
+            .iter()
+            .zip(colours)
+            .map(|(factor, colour)| i64::from(*factor) * i64::from(colour))
+            .sum::<i64>()
+    };
+    let mut all = std::iter::repeat_with(|| [0; 3].map(|_: u16| draw.whole(0, 4095) as u16));
+    all.find(|colours| (sum(*colours) + unit / 2).rem_euclid(unit) == remainder.rem_euclid(unit)).unwrap()
+}
+
+#[test]
+fn luma_is_rounded_as_the_contract_says_where_a_unit_decides() {
+    let mut golden = GoldenDisplay::new(DisplayMode::Colour, Curve::Linear);
+    let compiled = compiled_display(&golden);
+    for (seed, remainder) in [(1, 0), (2, -1)] {
+        let colours = decided_by_a_unit(&mut Draw::new(seed), remainder);
+        golden.colours = colours.map(|colour| ColourTable::from_entries(vec![colour; 1 << 14]).unwrap());
+        let mut bench = compiled.start(seed);
+        for (port, value) in [("clear_i", 0), ("table_write_i", 0), ("colour_i", 1)] {
+            bench.poke(port, value);
+        }
+        bench.reset();
+        load_tables(&golden, &mut bench);
+        let frame = moderate_frame(&mut Draw::new(seed), (2, 8));
+        bench.feed("", &["luma", "chroma", "first", "last"], raster(&frame), Pauses::NEVER);
+        bench.drain("pixels_", &["data", "user", "last"], Pauses::NEVER);
+        let expected = codes(&golden, &frame).0;
+        assert_beats(&format!("{colours:?}"), &bench.run(expected.len()), &expected);
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! every cycle.
 
 use crate::common::committed;
-use crate::differential::{Last, agree, agree_with_images, bit, ported, word};
+use crate::differential::{Last, RESET, agree, agree_with_images, bit, ported, resets, word};
 use edof_device::Design;
 use edof_device::design::FrameSize;
 use edof_device::video::{Axis, VideoTiming};
@@ -22,12 +22,9 @@ use rust_hdl::prelude::*;
 
 ported!(Display, OverlapAdd, PatchPairs, RasterReorder, VideoIn, VideoOut, WindowReorder, QueueTop, ScaleTop);
 
-/// Cycles of reset at the start of every stimulus.
-const RESET: u64 = 64;
-
 /// Whether a stream may show something else: nothing stands there, or it was taken.
 fn is_free(last: &Last, valid: &str, ready: &str) -> bool {
-    last.cycle <= RESET || !last.is(valid) || last.is(ready)
+    last.cycle <= RESET || last.is("reset") || !last.is(valid) || last.is(ready)
 }
 
 fn small(stride: usize) -> Design {
@@ -69,7 +66,7 @@ impl Logic for QueueTop {
 fn queue() {
     let top = QueueTop::from_parts(QueueTopParts { queue: Queue::new(7) });
     agree(top, RESET as usize, &[("front", "valid")], |b, draw, last| {
-        b.reset.next = last.cycle < RESET;
+        b.reset.next = resets(last, draw);
         // A pipeline of five cycles: what it took in while there was room comes out whatever happens.
         let takes = last.cycle > RESET && last.is("space") && draw.whole(0, 9) > 0;
         b.push.next = takes;
@@ -114,7 +111,7 @@ fn scale() {
 fn patch_pairs() {
     let qualified = ["out_luma", "out_chroma"].map(|port| (port, "out_valid"));
     agree(PatchPairs::default(), RESET as usize, &qualified, |b, draw, last| {
-        b.reset.next = last.cycle < RESET;
+        b.reset.next = resets(last, draw);
         if is_free(last, "valid", "ready") {
             b.valid.next = draw.whole(0, 3) > 0;
             b.data.next = word(draw);
@@ -128,7 +125,7 @@ fn overlap_add() {
     for stride in [4, 2] {
         let qualified = ["out_luma", "out_chroma"].map(|port| (port, "out_valid"));
         agree(OverlapAdd::of(&small(stride)).unwrap(), RESET as usize, &qualified, |b, draw, last| {
-            b.reset.next = last.cycle < RESET;
+            b.reset.next = resets(last, draw);
             b.clear.next = draw.whole(0, 999) == 0;
             if is_free(last, "valid", "ready") {
                 b.valid.next = draw.whole(0, 3) > 0;
@@ -144,7 +141,7 @@ fn overlap_add() {
 fn raster_reorder() {
     let qualified = ["out_luma", "out_chroma", "out_first", "out_last"].map(|port| (port, "out_valid"));
     agree(RasterReorder::of(&small(8)), RESET as usize, &qualified, |b, draw, last| {
-        b.reset.next = last.cycle < RESET;
+        b.reset.next = resets(last, draw);
         if is_free(last, "valid", "ready") {
             b.valid.next = draw.whole(0, 3) > 0;
             b.luma.next = word(draw);
@@ -158,7 +155,7 @@ fn raster_reorder() {
 fn window_reorder() {
     let qualified = ["out_pixels", "out_last", "out_set"].map(|port| (port, "out_valid"));
     agree(WindowReorder::of(&small(4)), RESET as usize, &qualified, |b, draw, last| {
-        b.reset.next = last.cycle < RESET;
+        b.reset.next = resets(last, draw);
         b.set.next = bit(draw);
         if is_free(last, "pixels_valid", "pixels_ready") {
             b.pixels_valid.next = draw.whole(0, 3) > 0;
@@ -178,7 +175,7 @@ fn display() {
     let qualified = ["pixels_data", "pixels_user", "pixels_last"].map(|port| (port, "pixels_valid"));
     let block = Display::new(&luma, [&colour, &colour, &colour]);
     agree_with_images(block, RESET as usize, &qualified, &images, |b, draw, last| {
-        b.reset.next = last.cycle < RESET;
+        b.reset.next = resets(last, draw);
         b.clear.next = draw.whole(0, 999) == 0;
         b.colour.next = bit(draw);
         if is_free(last, "valid", "ready") {
@@ -226,7 +223,7 @@ fn video_in() {
     let qualified = ["pixels_data", "pixels_user", "pixels_last"].map(|port| (port, "pixels_valid"));
     let block = VideoIn::new(FrameSize { width: 12, height: 10, stride: Stride::PATCH }, 700);
     agree(block, RESET as usize, &qualified, move |b, draw, last| {
-        b.reset.next = last.cycle < RESET;
+        b.reset.next = resets(last, draw);
         let (hs, vs, de) = bus.step(draw);
         b.hs.next = hs;
         b.vs.next = vs && last.cycle % 2000 < 1200;
@@ -245,7 +242,7 @@ fn video_out() {
     };
     let mut sent = 0;
     agree(VideoOut::new(timing), RESET as usize, &[], move |b, draw, last| {
-        b.reset.next = last.cycle < RESET;
+        b.reset.next = resets(last, draw);
         if is_free(last, "pixels_valid", "pixels_ready") {
             b.pixels_valid.next = draw.whole(0, 60) > 0;
             b.pixels_data.next = word(draw);

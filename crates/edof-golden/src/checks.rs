@@ -42,3 +42,50 @@ impl Golden {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{scalar, windows};
+    use edof_image::{CfaPhase, Stride, Window};
+    use edof_network::network::{Form, Recurrence, Shrinkage};
+    use ndarray::Array2;
+
+    #[test]
+    fn checks_are_those_of_the_words_that_the_specification_gives() {
+        for recurrence in [Recurrence::Direct, Recurrence::Difference] {
+            let form = Form {
+                window: Window::new(8).unwrap(),
+                codes: 6,
+                layers: 4,
+                shrinkage: Shrinkage::OneSided,
+                recurrence,
+                linear_path: true,
+                tied: false,
+            };
+            let network = edof_random::extreme(form, 12, Stride::new(4).unwrap(), false, 4);
+            let values = Array2::from_shape_fn((14, 18), |(r, c)| (r * 2003 + c * 331) as u16);
+            let raw = RawFrame::from_values(values, 16, CfaPhase::Rggb).unwrap();
+            let golden = Golden::new(network.clone()).unwrap();
+            let traces: Vec<_> =
+                windows::all(&network, &raw).unwrap().map(|window| scalar::run(&network, &window)).collect();
+            let crc = |words: &dyn Fn(&crate::Trace) -> Vec<i16>| {
+                of_words(traces.iter().flat_map(words).map(|word| word as u16))
+            };
+            let sent = (0..3).map(|layer| crc(&|trace| trace.layers[layer].sent.clone()));
+            let picture = golden.frame(&raw).unwrap().picture(&Display::default()).0;
+            let chroma = |row: usize, column: usize| picture.chroma[column % 2][(row, column / 2)];
+            let codes = picture
+                .luma
+                .indexed_iter()
+                .map(|((row, column), luma)| u16::from(chroma(row, column)) * 256 + u16::from(*luma));
+            let expected = FrameChecks {
+                raw: of_words(raw.pixels().iter().copied()),
+                windows: crc(&|trace| trace.input.clone()),
+                stages: sent.chain([crc(&|trace| trace.output.clone())]).collect(),
+                codes: of_words(codes),
+            };
+            assert_eq!(golden.checks(&Display::default(), &raw).unwrap(), expected);
+        }
+    }
+}

@@ -183,6 +183,43 @@ mod tests {
     }
 
     #[test]
+    fn curves_are_those_of_their_standards() {
+        let near =
+            |found: f64, expected: f64| assert!((found - expected).abs() < 1e-6, "{found}, {expected}");
+        for light in [-0.5, 0.0, 0.3, 1.0, 1.5] {
+            near(Curve::Linear.encode(light), light);
+        }
+        for (light, encoded) in [(0.0, 0.0), (0.01, 0.045), (0.018, 0.081248), (0.5, 0.705515), (1.0, 1.0)] {
+            near(Curve::Bt709.encode(light), encoded);
+        }
+        for (light, encoded) in [(0.0, 0.0), (0.002, 0.02584), (0.214041, 0.5), (1.0, 1.0)] {
+            near(Curve::Srgb.encode(light), encoded);
+        }
+    }
+
+    #[test]
+    fn a_frame_of_light_is_held_to_what_a_screen_has_but_by_the_linear_curve() {
+        let light = [-0.5, 0.01, 0.5, 1.25];
+        let planes = ndarray::Array3::from_shape_fn((3, 2, 4), |(.., column)| light[column]);
+        for curve in CURVES {
+            let encoded = curve.encoded(ColourFrame { planes: planes.clone() });
+            for ((.., column), found) in encoded.planes.indexed_iter() {
+                let held = if curve == Curve::Linear { light[column] } else { light[column].clamp(0.0, 1.0) };
+                assert_eq!(*found, curve.encode(f64::from(held)) as f32);
+            }
+        }
+    }
+
+    #[test]
+    fn addresses_are_replaced_by_their_entries() {
+        let table = ColourTable::new(Curve::Srgb);
+        let mut addresses: Vec<u16> = (0..1 << 14).rev().collect();
+        table.encode(&mut addresses);
+        assert!(addresses.iter().rev().eq(table.entries()));
+        assert!((0..1 << 14).all(|light| table.encoded(light) == i32::from(table.entries()[light as usize])));
+    }
+
+    #[test]
     fn a_table_comes_back_and_wrong_ones_are_rejected() {
         let table = LumaTable::new(Curve::Srgb).entries().to_vec();
         assert_eq!(LumaTable::from_entries(table.clone()), Ok(LumaTable::new(Curve::Srgb)));

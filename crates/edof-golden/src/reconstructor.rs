@@ -48,3 +48,23 @@ impl Reconstructor for GoldenReconstructor {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use edof_image::CfaPhase;
+    use ndarray::Array2;
+
+    #[test]
+    fn a_network_as_a_method_has_its_name_and_gives_what_the_pipeline_gives() {
+        let network = edof_random::natural(8, 8, 5);
+        let values = Array2::from_shape_fn((32, 32), |(row, column)| (row * 700 + column * 300) as u16);
+        let raw = RawFrame::from_values(values, 16, CfaPhase::ALL[0]).unwrap();
+        let method = GoldenReconstructor::new(network, "net").unwrap();
+        let (given, frame) = (method.reconstruct(&raw).unwrap(), method.golden().frame(&raw).unwrap());
+        assert_eq!(method.name(), "net");
+        assert_eq!(given.frame, frame.colour());
+        assert_eq!(given.counters, Some(frame.counts.counters()));
+        assert_eq!(given.multiplications, Some(frame.counts.multiplications(method.golden().network())));
+    }
+}

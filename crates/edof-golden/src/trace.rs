@@ -124,3 +124,51 @@ impl Counts {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use edof_image::{Stride, Window};
+    use edof_network::network::{Form, Recurrence, Shrinkage};
+
+    fn network(linear_path: bool) -> FixedNetwork {
+        let window = Window::new(8).unwrap();
+        let (shrinkage, recurrence) = (Shrinkage::OneSided, Recurrence::Direct);
+        let form = Form { window, codes: 10, layers: 4, shrinkage, recurrence, linear_path, tied: false };
+        edof_random::extreme(form, 16, Stride::PATCH, false, 1)
+    }
+
+    /// Five patches through I, two M and F.
+    fn counts() -> Counts {
+        let stage =
+            |nonzeros, saturated_codes| StageCounts { nonzeros, saturated_codes, ..StageCounts::default() };
+        let mut counts = Counts { saturated_sums: 1000, ..Counts::new(4) };
+        for patch in 0..5 {
+            counts.add(&[stage(7, 1), stage(5, 0), stage(3, patch), StageCounts::default()]);
+        }
+        counts
+    }
+
+    #[test]
+    fn saturations_are_those_of_the_stages_and_of_the_overlap_sum() {
+        assert_eq!(counts().saturations(), 5 + 10 + 1000);
+        assert_eq!(counts().counters().saturations, 1015);
+    }
+
+    #[test]
+    fn an_executed_multiplication_has_a_word_that_is_not_zero_but_in_the_dense_stages() {
+        // I multiplies every pixel; each word of I and the first M meets 10 rows of the next M, each of the last M 128 rows of F.
+        let without = 5 * 64 * 10 + (35 + 25) * 10 + 15 * 128;
+        assert_eq!(counts().multiplications(&network(false)).executed, without);
+        assert_eq!(counts().multiplications(&network(true)).executed, without + 5 * 64 * 128);
+        let dense = 5 * network(true).form.dense_multiplications(128);
+        assert_eq!(counts().multiplications(&network(true)).dense, dense);
+    }
+
+    #[test]
+    fn parts_of_a_frame_add_up() {
+        let mut whole = counts();
+        whole.merge(&counts());
+        assert_eq!((whole.patches, whole.saturated_sums, whole.stages[0].nonzeros), (10, 2000, 70));
+    }
+}

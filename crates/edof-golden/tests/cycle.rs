@@ -5,7 +5,9 @@ use edof_device::Design;
 use edof_device::design::memory::{Set, Space, address};
 use edof_device::design::reading::{READ_REGISTER, read_command};
 use edof_device::design::{FrameSize, StageSize};
-use edof_golden::cycle::{Cycle, Patch, PatchRun, StallPattern, Stalls, Summary, estimate, stepped};
+use edof_golden::cycle::{
+    Cycle, Patch, PatchRun, StageUse, StallPattern, Stalls, Summary, estimate, stepped,
+};
 use edof_golden::{Trace, scalar};
 use edof_image::draw::Draw;
 use edof_image::{Stride, Window};
@@ -209,6 +211,8 @@ fn beats_carry_what_the_receiver_needs() {
         assert_eq!(beat(2, 2).words, [codes[1].sent[4], codes[1].sent[5]]);
         assert_eq!(beat(3, 2).words, [codes[2].z[4], codes[2].z[5]]);
         assert_eq!(beat(4, 2).words, [run.trace.output[4], run.trace.output[5]]);
+        assert_eq!(run.boundaries(), design.form.layers + 1);
+        assert_eq!(beat(2, 7).words, [codes[1].sent[14], codes[1].sent[15]]);
         for boundary in 0..run.boundaries() {
             let lasts: Vec<bool> = run.transfers(boundary).map(|beat| beat.last).collect();
             assert_eq!(lasts.iter().position(|last| *last), Some(run.words(boundary).len() / 2 - 1));
@@ -259,6 +263,49 @@ fn counters_are_those_of_the_specification() {
         let nonzeros: u64 = traces.iter().map(|trace| trace.stages[stage].nonzeros).sum();
         let saturations: u64 = traces.iter().map(|trace| trace.stages[stage].saturations()).sum();
         assert_eq!((counts.nonzeros, counts.saturations()), (nonzeros, saturations));
+    }
+}
+
+#[test]
+fn a_summary_is_what_its_runs_add_up_to() {
+    let design = committed("tiny");
+    let network = network(&design, 5);
+    let model = Cycle::new(&design, [&network; 2]).unwrap();
+    let pixels = design.form.window.pixels();
+    let misfits = (0..).map(|seed| misfits(patches(&design, 60, 8), seed));
+    let mut uneven = misfits.filter(|patches| patches.iter().any(|patch| patch.window.len() != pixels));
+    let patches = uneven.next().unwrap();
+    let runs: Vec<PatchRun> = model.run(patches.clone()).collect();
+    let summary = summary(&model, patches.clone());
+    let ends: Vec<u64> =
+        runs.iter().map(|run| *run.times.boundaries[design.form.layers].last().unwrap()).collect();
+    let between: Vec<u64> = ends.windows(2).map(|two| two[1] - two[0]).collect();
+    assert_eq!(
+        (summary.min_cycles, summary.max_cycles),
+        (*between.iter().min().unwrap(), *between.iter().max().unwrap())
+    );
+    assert_eq!(summary.cycles_per_patch(), between.iter().sum::<u64>() as f64 / 59.0);
+    assert_eq!(summary.cycles(), ends[59] + 1);
+    let latencies: Vec<u64> =
+        runs.iter().zip(&ends).map(|(run, end)| end - run.times.boundaries[0][0]).collect();
+    assert_eq!(summary.mean_latency(), latencies.iter().sum::<u64>() as f64 / 60.0);
+    assert_eq!(summary.max_latency, *latencies.iter().max().unwrap());
+    let misfit = |is: fn(&usize, &usize) -> bool| {
+        patches.iter().filter(|patch| is(&patch.window.len(), &pixels)).count() as u64
+    };
+    assert!(misfit(usize::lt) > 1 && misfit(usize::gt) > 1);
+    assert_eq!((summary.too_short, summary.too_long), (misfit(usize::lt), misfit(usize::gt)));
+    for (index, stage) in summary.stages.iter().enumerate() {
+        let sum = |of: fn(&StageUse) -> u64| runs.iter().map(|run| of(&run.times.stages[index])).sum::<u64>();
+        let found = (stage.pairs, stage.steps, stage.waited_for_input, stage.waited_for_drain);
+        let used =
+            (sum(|u| u.pairs), sum(|u| u.steps), sum(|u| u.waited_for_input), sum(|u| u.waited_for_drain));
+        assert_eq!(found, used);
+        // A stage multiplies the words sent to it that are not zero; I multiplies all.
+        let sent = |run: &PatchRun| run.words(index).iter().filter(|word| **word != 0).count() as u64;
+        let pairs = if index == 0 { 60 * pixels as u64 } else { runs.iter().map(sent).sum() };
+        assert_eq!(stage.pairs, pairs, "stage {index}");
+        assert_eq!(summary.mean_pairs()[index], pairs as f64 / 60.0);
     }
 }
 

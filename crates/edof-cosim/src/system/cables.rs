@@ -272,6 +272,14 @@ impl Cables {
         Ok(())
     }
 
+    /// The board's light-emitting diodes, the first one low.
+    ///
+    /// # Errors
+    /// The simulation stops.
+    pub fn leds(&mut self) -> Result<u64, Error> {
+        self.bench.get("leds_o")
+    }
+
     /// Simulates until a condition holds, at most the given million edges. Returns whether the condition holds.
     ///
     /// # Errors

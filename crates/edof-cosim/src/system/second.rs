@@ -3,7 +3,7 @@
 
 use crate::chain::verilated::write_images;
 use crate::error::at;
-use crate::{Error, Source, tool, work};
+use crate::{Error, Source, mutant, tool, work};
 use edof_hdl::benches::{self, RecordedVideo};
 use edof_hdl::project::Project;
 use std::fmt::Write;
@@ -73,7 +73,7 @@ fn run(
 ) -> Result<String, Error> {
     let work = work::folder()?;
     let source = Source::from(core);
-    source.write(work.path())?;
+    mutant::simulated(&source)?.write(work.path())?;
     write_images(core, work.path())?;
     for (name, text) in benches::core_bench(core, recorded).iter().chain(more) {
         let path = work.path().join(name);

@@ -4,7 +4,8 @@ use super::ports;
 use super::shim::{SHIM, ports_inc};
 use crate::cache::{self, Product};
 use crate::error::{Error, at};
-use crate::{Source, tool};
+use crate::{Source, mutant, tool};
+use std::borrow::Cow;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -140,10 +141,16 @@ model.so: $(OBJECTS)
 
 /// The compiled model, from the cache if nothing changed.
 pub fn build(source: &Source, options: &Options) -> Result<Product, Error> {
+    let simulated = mutant::simulated(source)?;
+    let cache = match simulated {
+        Cow::Borrowed(_) => options.cache.clone(),
+        Cow::Owned(_) => mutant::folder(),
+    };
+    let source = &*simulated;
     let tools = tools()?;
     let key = cache::key(inputs(source, options, &tools).iter().map(String::as_str));
     let name = format!("{}-{}.so", source.top, &key[..24]);
-    cache::obtain(options.cache.as_deref(), &name, |work| {
+    cache::obtain(cache.as_deref(), &name, |work| {
         verilate(source, options, work)?;
         ports::check(source, work)?;
         let runtime = runtime(options, &tools, work)?;
@@ -172,7 +179,7 @@ fn inputs(source: &Source, options: &Options, tools: &str) -> Vec<String> {
     parts
 }
 
-/// Versions of Verilator and of the compiler; asked once.
+/// Versions of Verilator and of the compiler, and the options that `make` takes from `$CXXFLAGS`; asked once.
 fn tools() -> Result<String, Error> {
     static TOOLS: Mutex<Option<String>> = Mutex::new(None);
     let mut known = TOOLS.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -181,7 +188,8 @@ fn tools() -> Result<String, Error> {
     }
     let version = |name| tool::run(tool::command(name, Path::new("/")).arg("--version"));
     version("make")?;
-    Ok(known.insert(version("verilator")? + &version("g++")?).clone())
+    let options = std::env::var("CXXFLAGS").unwrap_or_default();
+    Ok(known.insert(version("verilator")? + &version("g++")? + &options).clone())
 }
 
 fn verilator_options(options: &Options) -> Vec<&'static str> {

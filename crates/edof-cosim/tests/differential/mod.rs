@@ -35,6 +35,14 @@ pub fn word<const N: usize>(draw: &mut Draw) -> Bits<N> {
     (draw.bits() >> (64 - N)).into()
 }
 
+/// Cycles of reset at the start of every stimulus.
+pub const RESET: u64 = 64;
+
+/// Whether a cycle is one of reset: all of the start, and later single ones.
+pub fn resets(last: &Last, draw: &mut Draw) -> bool {
+    last.cycle < RESET || last.cycle > CYCLES / 2 && draw.whole(0, 149) == 0
+}
+
 /// A random bit.
 pub fn bit(draw: &mut Draw) -> bool {
     draw.whole(0, 1) == 1
@@ -60,11 +68,12 @@ impl Last {
         ports.iter().all(|port| self.is(port))
     }
 
-    /// In how many cycles so far something held. Each driver may count under several names, once a cycle each.
+    /// In how many cycles since the last reset something held. Each driver may count under several names, once a cycle each.
     pub fn count_of(&mut self, name: &'static str, holds: impl Fn(&Self) -> bool) -> u64 {
         let more = u64::from(self.cycle > 0 && holds(self));
+        let resets = self.ports.get("reset") == Some(&1);
         let count = self.counts.entry(name).or_default();
-        *count += more;
+        *count = if resets { 0 } else { *count + more };
         *count
     }
 

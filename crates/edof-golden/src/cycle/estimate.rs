@@ -133,3 +133,19 @@ pub(super) fn busiest(cycles: impl Iterator<Item = f64>) -> usize {
     let larger = |max: (usize, f64), next: (usize, f64)| if next.1 > max.1 { next } else { max };
     cycles.enumerate().fold((0, f64::NEG_INFINITY), larger).0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of a drain of 32 beats the fifth that follows without a pause ends with beat 159, which waits for the credit of beat 31: it comes
+    /// 30 cycles after that, so four drains take 61 cycles. Of 96 beats the second ends with beat 191, which waits for beat 63's, 34 cycles after that.
+    #[test]
+    fn a_drain_waits_for_credits_as_worked_out_by_hand() {
+        let design = Design::from_json(include_str!("../../../../designs/kc705.json")).unwrap();
+        for (lanes, cycles) in [(64, 61.0 / 4.0), (192, 97.0)] {
+            let stage = StagePlan { lanes, ..design.stage(1) };
+            assert_eq!(credit_cycles(&stage), cycles);
+        }
+    }
+}

@@ -109,6 +109,8 @@ mod tests {
         assert!(found.len() > 10);
         let cycles: Vec<f64> = found.iter().map(|design| cycles_per_patch(design, &patches)).collect();
         assert!(found.iter().all(|design| design.check().is_ok()));
+        let dsps = |design: &Design| design.stages().map(|stage| stage.dsps()).sum::<usize>();
+        assert!(found.windows(2).all(|two| dsps(&two[0]) < dsps(&two[1])));
         assert!(cycles.windows(2).all(|two| two[1] <= two[0]), "{cycles:?}");
     }
 

@@ -155,3 +155,55 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn each_colour_goes_through_its_own_table() {
+    let light = [0.3, 0.2, 0.1];
+    for linear in 0..3 {
+        let curve = |colour| if colour == linear { Curve::Linear } else { Curve::Srgb };
+        let colours = std::array::from_fn(|colour| ColourTable::new(curve(colour)));
+        let shown = Display { colours, ..Display::default() }.picture(&flat(light), (0, 0), (2, 8)).0.shown();
+        for (colour, light) in light.into_iter().enumerate() {
+            let exact = 255.0 * if colour == linear { light } else { srgb_encode(light) };
+            let shown = f64::from(shown[(colour, 1, 3)]);
+            assert!(
+                (shown - exact).abs() <= 2.5,
+                "{colour} where {linear} is linear: {shown}, expected {exact}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_picture_may_take_the_memory_of_another_of_any_size() {
+    let frame = flat([0.3, 0.2, 0.1]);
+    for mode in DisplayMode::ALL {
+        let display = Display::new(mode, Curve::Srgb);
+        let (expected, counts) = display.picture(&frame, (0, 0), (2, 8));
+        assert_eq!(expected.luma.dim(), (2, 8));
+        let mut sizes = [(0, 0), (2, 8), (2, 4), (5, 8)].into_iter();
+        let memory = |(height, width)| Picture {
+            luma: Array2::from_elem((height, width), 7),
+            chroma: [9, 11].map(|code| Array2::from_elem((height, width / 2), code)),
+        };
+        assert!(sizes.all(|size| {
+            let mut picture = memory(size);
+            display.picture_into(&frame, (0, 0), (2, 8), &mut picture) == counts && picture == expected
+        }));
+    }
+}
+
+#[test]
+fn counts_of_lines_add_up() {
+    let count = |clamped_chroma, out_of_gamut| DisplayCounts { clamped_chroma, out_of_gamut };
+    assert_eq!(count(3, 5) + count(20, 40), count(23, 45));
+}
+
+#[test]
+fn a_shown_frame_is_what_a_sink_shows_from_none_to_full_light() {
+    let picture = Display::default().picture(&flat([0.0, 0.5, 1.0]), (0, 0), (2, 8)).0;
+    let (frame, codes) = (picture.shown_frame().planes, picture.shown());
+    assert_eq!(frame.dim(), (3, 2, 8));
+    assert!(frame.iter().zip(&codes).all(|(light, code)| (light * 255.0 - f32::from(*code)).abs() < 1e-3));
+    assert!(codes[(2, 1, 3)] > 250 && frame[(2, 1, 3)] <= 1.0);
+}

@@ -137,9 +137,34 @@ mod tests {
     }
 
     #[test]
+    fn a_segment_goes_on_as_long_as_its_sum_is_the_most_that_fits() {
+        // Weights of 32768 leave 65535 for the words.
+        for (last, lengths) in [(3, [4, 2]), (4, [2, 4])] {
+            let found = segments(&[&[32_767, -100, 32_665, last, 5, 6]], 32_768);
+            let found: Vec<usize> = found[0].1.iter().map(Vec::len).collect();
+            assert_eq!(found, lengths, "{last}");
+        }
+    }
+
+    #[test]
     fn two_words_whose_products_pass_32_bits_are_reported() {
         let told = segments(&[&[i16::MIN; 2], &[1, 1]], 32768);
         assert_eq!(told.iter().map(|(fits, _)| *fits).collect::<Vec<_>>(), [false, true]);
+        // No segment is empty.
+        assert!(told.iter().all(|(_, segments)| segments.len() == 1 && segments[0].len() == 2));
+    }
+
+    #[test]
+    fn vectors_have_room_for_their_words_and_for_what_kernels_write_after_them() {
+        let mut active = Active::default();
+        active.push(Isa::best(), &[1; 64], 1);
+        assert_eq!([active.words.len(), active.columns.len()], [64 + SLACK; 2]);
+        active.push(Isa::best(), &[1, 0, 3, 4], 1);
+        assert_eq!([active.words.len(), active.columns.len()], [64 + 4 + SLACK; 2]);
+        // What is there is used again.
+        active.clear();
+        active.push(Isa::best(), &[1; 8], 1);
+        assert_eq!([active.words.len(), active.columns.len()], [64 + 4 + SLACK; 2]);
     }
 
     #[test]

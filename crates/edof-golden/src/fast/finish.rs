@@ -196,3 +196,85 @@ for_each_isa! {
 const fn rounding(shift: u32) -> (i32, u32) {
     (1 << (shift - LOW_BITS - 1), shift - LOW_BITS)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fast::sums::split;
+    use edof_image::draw::Draw;
+
+    /// Sums of at most N bits, often at the ends of their range.
+    fn sums(draw: &mut Draw, bits: u32) -> (Vec<i64>, Sums) {
+        let max = (1i64 << (bits - 1)) - 1;
+        let one = |_| [max, -max - 1, 0, 255, -256, draw.whole(-max - 1, max)][draw.whole(0, 5) as usize];
+        let exact: Vec<i64> = (0..48).map(one).collect();
+        let (high, low) = exact.iter().map(|sum| split(*sum)).unzip();
+        (exact, Sums { high, low })
+    }
+
+    /// What the specification makes of sums, and how many words saturate.
+    fn specified(sums: impl Iterator<Item = i64>, shift: u32, bits: u32) -> (Vec<i16>, u64) {
+        let words: Vec<(i16, bool)> = sums.map(|sum| requantize(sum, shift, bits)).collect();
+        let saturated = words.iter().filter(|(_, clipped)| *clipped).count() as u64;
+        (words.into_iter().map(|(word, _)| word).collect(), saturated)
+    }
+
+    /// Bits of the accumulator for sums as far from zero as this, and for rounding.
+    const fn bits_of(worst: i64, shift: u32) -> u32 {
+        i64::BITS - (worst + ((1 << shift) >> 1) - 1).leading_zeros() + 1
+    }
+
+    #[test]
+    fn words_of_every_shift_are_those_of_the_specification() {
+        let draw = &mut Draw::new(3);
+        let base: Vec<i16> = (0..48).map(|_| draw.extreme(16)).collect();
+        for (shift, sum_bits) in (0..46).flat_map(|shift| [24, 38, 39, 40].map(|bits| (shift, bits))) {
+            let (exact, sums) = sums(draw, sum_bits);
+            for base_shift in
+                [None, Some(0), Some(7), Some(8), Some(9), Some(22), Some(23), Some(24), Some(31)]
+            {
+                let of_base = base_shift.map_or(0, |shift| 1 << (15 + shift));
+                let accumulator_bits = bits_of((1 << (sum_bits - 1)) + of_base, shift);
+                let finish = Finish { base_shift, shift, bits: 12, accumulator_bits };
+                let base_of = |i: usize| base_shift.map_or(0, |shift| i64::from(base[i]) << shift);
+                for from in [0, 5] {
+                    let of = (from..48).map(|i| base_of(i - from) + exact[i]);
+                    let expected = specified(of, shift, 12);
+                    for isa in Isa::available() {
+                        let mut out = vec![0; 48 - from];
+                        let base = base_shift.map(|_| &base[..48 - from]);
+                        let saturated = finish.words(isa, &sums, from, base, &mut out);
+                        assert_eq!((out, saturated), expected, "{isa:?} {finish:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn outputs_of_every_shift_are_those_of_the_specification() {
+        let draw = &mut Draw::new(4);
+        for (result, sum_bits) in (0..46).flat_map(|result| [10, 16, 32, 38].map(|bits| (result, bits))) {
+            let ((exact, products), (exact_linear, linear)) = (sums(draw, sum_bits), sums(draw, sum_bits));
+            for (dictionary, linear_path) in
+                [(0, 0), (3, 0), (0, 8), (15, 20), (21, 1), (22, 21), (24, 23), (2, 24)]
+            {
+                let shifts = FinalShifts { dictionary, linear_path, result };
+                for (has_linear, from) in [(false, 0), (true, 0), (true, 16)] {
+                    let of_linear = if has_linear { 1 << (sum_bits - 1 + linear_path) } else { 0 };
+                    let accumulator_bits = bits_of((1 << (sum_bits - 1 + dictionary)) + of_linear, result);
+                    let linear_of = |i: usize| if has_linear { exact_linear[i] << linear_path } else { 0 };
+                    let of = (from..from + 32).map(|i| (exact[i] << dictionary) + linear_of(i));
+                    let expected = specified(of, result, 16);
+                    let finish = FinishOutputs { shifts, accumulator_bits };
+                    for isa in Isa::available() {
+                        let mut out = vec![0; 32];
+                        let saturated =
+                            finish.words(isa, &products, has_linear.then_some(&linear), from, &mut out);
+                        assert_eq!((out, saturated), expected, "{isa:?} {finish:?}");
+                    }
+                }
+            }
+        }
+    }
+}

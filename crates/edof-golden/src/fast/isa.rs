@@ -98,3 +98,19 @@ macro_rules! for_each_isa {
     };
 }
 pub(crate) use for_each_isa;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plain_rust_runs_everywhere_and_the_best_comes_last() {
+        let available = Isa::available();
+        assert_eq!(available[0], Isa::Portable);
+        assert_eq!(available.last(), Some(&Isa::best()));
+        let is_new = |at: usize| !available[..at].contains(&available[at]);
+        assert!((1..available.len()).all(is_new));
+        #[cfg(target_arch = "x86_64")]
+        assert_eq!(available.contains(&Isa::Avx2(Avx2(()))), is_x86_feature_detected!("avx2"));
+    }
+}

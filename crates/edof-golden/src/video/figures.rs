@@ -103,6 +103,51 @@ mod tests {
     }
 
     #[test]
+    fn a_board_has_the_clocks_of_its_design_and_video_mode() {
+        // 148.5 MHz pixels; whole picoseconds.
+        assert_eq!(periods(), Periods { core: 5000, calculator: 5000, input: 6734, output: 6734 });
+        let design = Design::from_json(include_str!("../../../../designs/kc705.json")).unwrap();
+        assert_eq!(Periods::of_board(&Design { clock_mhz: 150.0, ..design }).calculator, 6667);
+    }
+
+    #[test]
+    fn a_core_takes_its_patches_or_its_pixels_and_waits_for_the_rows_of_a_window() {
+        let design = Design::from_json(include_str!("../../../../designs/kc705.json")).unwrap();
+        // Windows of 12 reach 10 rows down from a patch's first, whose last row leaves 8 later; 135 rows of 240 patches.
+        let rows = 18.0 * 1920.0;
+        let found = CoreCycles::of(&design, 100.0, 777.0);
+        assert_eq!(found, CoreCycles { frame: 3_240_000.0, latency: 3_240_000.0 + 777.0 + rows });
+        let found = CoreCycles::of(&design, 10.0, 777.0);
+        assert_eq!(found, CoreCycles { frame: 2_073_600.0, latency: 2_073_600.0 + 777.0 + rows });
+    }
+
+    /// 80 × 56 cycles with 64 × 48 pixels, one of the camera's a nanosecond, of the screen's every other; half a nanosecond for the calculator's.
+    #[test]
+    fn figures_of_a_small_board_are_those_worked_out_by_hand() {
+        let size = FrameSize { width: 64, height: 48, stride: Stride::PATCH };
+        let periods = Periods { core: 1, calculator: 500, input: 1000, output: 2000 };
+        let (camera, screen, bytes) = (4480e-9_f64, 8960e-9, 6144.0);
+        // The last one takes as long as the camera: no frame waits.
+        for (cycles, core, waits) in
+            [(20_000.0, 10_000e-9, 18_960e-9), (100.0, 50e-9, screen), (8960.0, camera, screen)]
+        {
+            let found = figures(size, CoreCycles { frame: cycles, latency: 600.0 }, periods);
+            let made = 1.0 / camera.max(core);
+            let least = 3840e-9 + 300e-9;
+            let expected =
+                [made, bytes / camera + bytes * made, bytes * made + bytes / screen, least, least + waits];
+            let found =
+                [found.frames_per_second, found.written, found.read, found.latency[0], found.latency[1]];
+            for (found, expected) in found.into_iter().zip(expected) {
+                assert!(
+                    (found / expected - 1.0).abs() < 1e-9,
+                    "{cycles} cycles: {found}, expected {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
     fn a_calculator_that_is_fast_enough_makes_a_picture_of_every_frame() {
         let found = figures(SIZE, CoreCycles { frame: 3e6, latency: 3.1e6 }, periods());
         assert!((found.frames_per_second - 60.0).abs() < 0.1, "{found:?}");

@@ -64,6 +64,64 @@ mod tests {
 
     const SIZE: FrameSize = FrameSize { width: 64, height: 48, stride: edof_image::Stride::PATCH };
 
+    /// Words of a pattern, row by row.
+    fn words(pattern: Pattern) -> Vec<u16> {
+        frame(pattern, SIZE).unwrap().pixels().iter().copied().collect()
+    }
+
+    #[test]
+    fn plain_patterns_hold_the_same_words_in_every_row() {
+        assert!(words(Pattern::Zeros).iter().all(|word| *word == 0));
+        assert!(words(Pattern::Ones).iter().all(|word| *word == 0xffff));
+        assert!(words(Pattern::Alternating).as_chunks().0.iter().all(|two| *two == [0x5555, 0xaaaa]));
+    }
+
+    #[test]
+    fn a_ramp_rises_by_32_a_column_and_64_a_row() {
+        let words = words(Pattern::Ramp);
+        assert!(
+            words.iter().enumerate().all(|(i, word)| usize::from(*word) == 32 * (i % 64) + 64 * (i / 64))
+        );
+        let wide = FrameSize { width: 2080, ..SIZE };
+        // Column 2078 of row 1 is beyond 2^16.
+        assert_eq!(frame(Pattern::Ramp, wide).unwrap().pixels()[(1, 2078)], 1024);
+    }
+
+    #[test]
+    fn a_chart_has_squares_of_sixteen_pixels_whose_odd_sites_are_the_other_way_round() {
+        let levels = [[0, 5, 10, 15], [3, 8, 13, 2], [6, 11, 0, 5]];
+        for (i, word) in words(Pattern::Chart).into_iter().enumerate() {
+            let (row, column) = (i / 64, i % 64);
+            let level = levels[row / 16][column / 16];
+            let is_odd = [row, column].iter().all(|at| at % 2 == 1);
+            let level = if is_odd { 15 - level } else { level };
+            assert_eq!(
+                word,
+                level * 0x1000 + level * 0x100 + level * 0x10 + level / 4 * 4,
+                "{row}, {column}"
+            );
+        }
+    }
+
+    /// Numbers of another program.
+    #[test]
+    fn noise_is_that_of_the_contract_to_its_last_word() {
+        let words = words(Pattern::Noise);
+        assert_eq!(words[..4], [0xe124, 0x8b98, 0x64e0, 0x0014]);
+        assert_eq!([words[64], words[64 * 48 - 1]], [0x538c, 0x1df0]);
+        assert_eq!(words.into_iter().map(u32::from).sum::<u32>(), 0x603_0700);
+    }
+
+    #[test]
+    fn a_tile_comes_again_every_64_rows_and_columns() {
+        let tile = Array2::from_shape_fn((TILE_SIDE, TILE_SIDE), |(r, c)| (r * 1000 + c) as u16);
+        let size = FrameSize { width: 130, height: 66, ..SIZE };
+        let frame = tiled(&tile, size).unwrap();
+        assert_eq!(frame.size(), (66, 130));
+        let word = |row, column| frame.pixels()[(row, column)];
+        assert_eq!([word(3, 2), word(3, 66), word(3, 129), word(65, 63)], [3002, 3002, 3001, 1063]);
+    }
+
     #[test]
     fn words_of_patterns_are_those_of_the_contract() {
         let word = |pattern, row, column| frame(pattern, SIZE).unwrap().pixels()[(row, column)];

@@ -41,3 +41,66 @@ impl SyncCodes {
         self.malformed = self.malformed.wrapping_add(u32::from(is_damaged));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whole codes and corrupted words of words that come after reset.
+    fn counted(words: &[u16]) -> [u32; 2] {
+        let mut found = SyncCodes::default();
+        // What is pushed is judged three words later.
+        words.iter().chain(&[0x8010; 3]).for_each(|word| found.push(*word));
+        [found.codes, found.malformed]
+    }
+
+    const fn code(last: u16) -> [u16; 4] {
+        [0xffff, 0, 0, last]
+    }
+
+    const STARTS: [u16; 2] = [0x8080, 0xabab];
+    const ENDS: [u16; 2] = [0x9d9d, 0xb6b6];
+
+    #[test]
+    fn lines_that_start_and_end_in_turn_have_two_codes_each() {
+        for start in STARTS {
+            for end in ENDS {
+                let line = [&code(start)[..], &[0x1234, 0x8010], &code(end), &[0x8010]].concat();
+                assert_eq!(counted(&line), [2, 0]);
+                assert_eq!(counted(&[line.clone(), line.clone(), line].concat()), [6, 0]);
+                // Without pixels as well.
+                assert_eq!(counted(&[code(end), code(start), code(end)].concat()), [3, 0]);
+            }
+        }
+        assert_eq!(counted(&[]), [0, 0]);
+    }
+
+    #[test]
+    fn a_line_that_starts_or_ends_twice_is_malformed() {
+        for pair in [STARTS, ENDS, [STARTS[1], STARTS[0]], [ENDS[0]; 2], [STARTS[0]; 2]] {
+            assert_eq!(counted(&pair.map(code).concat()), [2, 1], "{pair:x?}");
+        }
+    }
+
+    #[test]
+    fn an_end_of_either_byte_range_spoils_a_word_outside_of_a_code() {
+        for word in [0x0010, 0x8000, 0xff10, 0x80ff, 0, 0xffff, 0xff00] {
+            assert_eq!(counted(&[0x8010, word, 0x8010]), [0, 1], "{word:x}");
+            let around = [&code(0x8080)[..], &[word], &code(0x9d9d), &[word, word]].concat();
+            assert_eq!(counted(&around), [2, 3], "{word:x}");
+        }
+        for word in [0x0110, 0x8001, 0xfe10, 0x80fe] {
+            assert_eq!(counted(&[word]), [0, 0], "{word:x}");
+        }
+    }
+
+    #[test]
+    fn a_code_with_a_wrong_word_is_none_and_each_of_its_end_values_is_malformed() {
+        assert_eq!(counted(&code(0x8081)), [0, 3]);
+        assert_eq!(counted(&[0xffff, 0, 1, 0x8080]), [0, 3]);
+        assert_eq!(counted(&[0xffff, 0, 0x1010, 0x8080]), [0, 2]);
+        assert_eq!(counted(&[0xfeff, 0, 0, 0x8080]), [0, 3]);
+        // The code that follows is whole.
+        assert_eq!(counted(&[&[0xffff, 0], &code(0x9d9d)[..]].concat()), [1, 2]);
+    }
+}

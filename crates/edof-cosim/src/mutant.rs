@@ -1,0 +1,127 @@
+//! A fault in one line of Verilog, which a test should notice (`proofs/mutants.py`).
+
+use crate::Source;
+use crate::error::{Error, at};
+use serde::Deserialize;
+use std::borrow::Cow;
+use std::fs::{self, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// One changed line of a module.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Mutant {
+    /// The module, without what its sizes add to its name.
+    module: String,
+    /// The line as it stands.
+    line: String,
+    /// Which of several such lines, from 0.
+    place: usize,
+    /// The line that takes its place.
+    mutated: String,
+}
+
+/// The design as a simulator shall see it: with the mutant that the file `$EDOF_MUTANT` describes, if it has such a line. The names of its
+/// modules go to the file `$EDOF_MODULES`.
+///
+/// # Errors
+/// A file cannot be read or written, or describes no mutant.
+pub fn simulated(source: &Source) -> Result<Cow<'_, Source>, Error> {
+    if let Some(path) = std::env::var_os("EDOF_MODULES") {
+        note_modules(source, Path::new(&path))?;
+    }
+    match std::env::var_os("EDOF_MUTANT") {
+        Some(path) => Ok(Mutant::read(Path::new(&path))?.applied(source)),
+        None => Ok(Cow::Borrowed(source)),
+    }
+}
+
+/// Where models of a mutant are kept: beside its file, with which they go.
+#[must_use]
+pub fn folder() -> Option<PathBuf> {
+    Some(Path::new(&std::env::var_os("EDOF_MUTANT")?).parent()?.to_owned())
+}
+
+fn note_modules(source: &Source, path: &Path) -> Result<(), Error> {
+    let names: String = source.file_names().map(|name| format!("{}\n", module(name))).collect();
+    let file = OpenOptions::new().append(true).create(true).open(path);
+    file.and_then(|mut file| file.write_all(names.as_bytes())).map_err(at(path))
+}
+
+impl Mutant {
+    fn read(path: &Path) -> Result<Self, Error> {
+        let text = fs::read(path).map_err(at(path))?;
+        serde_json::from_slice(&text).map_err(std::io::Error::from).map_err(at(path))
+    }
+
+    fn applied<'a>(&self, source: &'a Source) -> Cow<'a, Source> {
+        let Some(file) = source.files.iter().position(|(name, _)| module(name) == self.module) else {
+            return Cow::Borrowed(source);
+        };
+        let mut lines: Vec<&str> = source.files[file].1.lines().collect();
+        let Some(line) = (0..lines.len()).filter(|&line| lines[line] == self.line).nth(self.place) else {
+            return Cow::Borrowed(source);
+        };
+        lines[line] = &self.mutated;
+        let mut mutated = source.clone();
+        mutated.files[file].1 = lines.join("\n") + "\n";
+        Cow::Owned(mutated)
+    }
+}
+
+/// The name of a file's module without what its sizes add: `write_agent` of `write_agent_w512_s64.v`.
+fn module(file: &str) -> &str {
+    let mut name = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
+    while let Some((stem, size)) = name.rsplit_once('_') {
+        let is_size =
+            size.len() > 1 && size.starts_with(['w', 's']) && size[1..].bytes().all(|b| b.is_ascii_digit());
+        if !is_size {
+            break;
+        }
+        name = stem;
+    }
+    name
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn source() -> Source {
+        let text = "module m_w8;\n  a <= b;\n  a <= b;\nendmodule\n";
+        Source { top: "m_w8".into(), files: vec![("m_w8.v".into(), text.into())], ports: vec![] }
+    }
+
+    fn mutant(module: &str, place: usize) -> Mutant {
+        let (line, mutated) = ("  a <= b;".into(), "  ;".into());
+        Mutant { module: module.into(), line, place, mutated }
+    }
+
+    #[test]
+    fn the_line_at_that_place_is_changed_whatever_the_sizes() {
+        let source = source();
+        let mutated = mutant("m", 1).applied(&source).into_owned();
+        assert_eq!(mutated.files[0].1, "module m_w8;\n  a <= b;\n  ;\nendmodule\n");
+    }
+
+    #[test]
+    fn a_design_without_the_module_or_the_line_stays_as_it_is() {
+        let source = source();
+        for other in [mutant("n", 0), mutant("m", 2)] {
+            assert!(matches!(other.applied(&source), Cow::Borrowed(same) if *same == source));
+        }
+    }
+
+    #[test]
+    fn sizes_are_no_part_of_a_modules_name() {
+        for (file, name) in [
+            ("write_agent_w512_s64.v", "write_agent"),
+            ("edof_add4.v", "edof_add4"),
+            ("a_w.v", "a_w"),
+            ("sw_1.sv", "sw_1"),
+        ] {
+            assert_eq!(module(file), name);
+        }
+    }
+}

@@ -1,0 +1,440 @@
+//! Blocks of the board: the same outputs in every cycle in rust-hdl's simulation, in Verilator and in Icarus; patterns are the contract's words, the host's
+//! window keeps the right pixels, an access of the calculator is carried out once, and a clock that stands is noticed in time.
+
+use crate::differential::{RESET, agree, bit, ported, word};
+use crate::support;
+use edof_cosim::bench::{Actor, Beat, Bench, ClockId, Receiver, Sender, Throttle};
+use edof_cosim::verilator::{Library, Model, Start};
+use edof_cosim::{Error, Source};
+use edof_device::design::FrameSize;
+use edof_device::design::memory::{Space, TABLES, address};
+use edof_device::design::reading::READ_REGISTER;
+use edof_device::pattern::{Pattern, TILE, TILE_SIDE};
+use edof_golden::video::pattern;
+use edof_hdl::board::{CalculatorPort, ClockWatch, CycleCount, PatternSource, PictureWindow};
+use edof_hdl::video::table_reader::TableReader;
+use edof_image::draw::Draw;
+use edof_image::{RawFrame, Stride};
+use edof_verilog::describe::Circuit;
+use ndarray::Array2;
+use rust_hdl::prelude::*;
+use std::collections::VecDeque;
+
+ported!(CycleCount, TableReader);
+
+/// Two squares of the chart and a bit of a third, in both directions.
+const FRAME: FrameSize = FrameSize { width: 38, height: 34, stride: Stride::PATCH };
+
+#[test]
+fn cycle_count() {
+    agree(CycleCount::default(), RESET as usize, &[], |b, draw, last| {
+        b.reset.next = last.cycle < RESET || draw.whole(0, 99) == 0;
+    });
+}
+
+#[test]
+fn table_reader() {
+    // From the first row of weights on all is known.
+    agree(TableReader::new(), RESET as usize + 300, &[], |b, draw, last| {
+        b.reset.next = last.cycle < RESET || draw.whole(0, 900) == 0;
+        b.host_write.next = draw.whole(0, 3) == 0;
+        b.host_select.next = word(draw);
+        b.host_address.next = word(draw);
+        b.host_data.next = word(draw);
+        b.table_word.next = word(draw);
+        let is_first = last.cycle == RESET + 2;
+        b.write_valid.next = is_first || last.cycle > RESET && draw.whole(0, 40) == 0;
+        let command = address(TABLES, Space::Register { row: READ_REGISTER });
+        // Most are commands; of the others each has one bit of another address.
+        let other = if is_first || bit(draw) { 0 } else { 1 << draw.whole(0, 24) };
+        b.write_address.next = u64::from(command ^ other).into();
+        let of_weights = if is_first || bit(draw) { 0x3fff_ffff } else { 0xffff_ffff };
+        b.write_data.next = ((draw.bits() >> 44 << 12 | draw.whole(0, 2) as u64) & of_weights).into();
+        b.status_address.next = if bit(draw) {
+            word(draw)
+        } else {
+            (64 + TABLES as u64 % 16 * 4 + draw.whole(0, 3) as u64).into()
+        };
+    });
+}
+
+fn source(mut block: impl Circuit) -> Source {
+    Source::circuit(&mut block).unwrap()
+}
+
+fn model(source: &Source, seed: u64) -> Model {
+    let library = Library::build(source, &support::options()).unwrap();
+    library.start(&Start { seed, ..Start::default() }).unwrap()
+}
+
+/// The tile that the host wrote: a pixel comes two cycles after its address.
+struct Tile {
+    clock: ClockId,
+    /// Address, pixel.
+    ports: [usize; 2],
+    pixels: Array2<u16>,
+    on_the_way: VecDeque<u64>,
+}
+
+impl Actor for Tile {
+    fn clock(&self) -> ClockId {
+        self.clock
+    }
+
+    fn before(&mut self, model: &mut Model) -> Result<(), Error> {
+        let address = model.peek(self.ports[0])? as usize;
+        self.on_the_way.push_back(self.pixels[(address / TILE_SIDE, address % TILE_SIDE)].into());
+        Ok(())
+    }
+
+    fn after(&mut self, model: &mut Model) -> Result<(), Error> {
+        let pixel = if self.on_the_way.len() > 1 { self.on_the_way.pop_front().unwrap() } else { 0 };
+        model.poke(self.ports[1], pixel)
+    }
+}
+
+/// The beats of a frame, as its lines are sent.
+fn beats(frame: &RawFrame) -> Vec<Beat> {
+    let values = frame.values();
+    let lines = values.outer_iter().enumerate();
+    lines.flat_map(|(row, line)| Beat::line(line.iter().map(|&word| word.into()), row == 0)).collect()
+}
+
+#[test]
+fn patterns_are_the_contracts_words_from_their_first_pixel_on_whenever_they_are_chosen() {
+    let source = source(PatternSource::new(FRAME));
+    let tile =
+        Array2::from_shape_fn((TILE_SIDE, TILE_SIDE), |(row, column)| (row * 997 + column * 31) as u16);
+    let patterns =
+        [Pattern::Ramp, Pattern::Chart, Pattern::Noise, Pattern::Zeros, Pattern::Ones, Pattern::Alternating];
+    let expected = patterns.iter().map(|pattern| pattern::frame(*pattern, FRAME).unwrap());
+    let expected: Vec<_> =
+        expected.chain([pattern::tiled(&tile, FRAME).unwrap()]).map(|frame| beats(&frame)).collect();
+    for (seed, pace) in [(1, Throttle::steady()), (2, Throttle::drawn(2))] {
+        let mut bench = Bench::new(model(&source, seed), seed);
+        let clock = bench.clock("clock_i", 10_000).unwrap();
+        let ports = ["tile_address_o", "tile_pixel_i"].map(|name| source.port(name).unwrap());
+        let mut tile = Tile { clock, ports, pixels: tile.clone(), on_the_way: VecDeque::new() };
+        let mut receiver = Receiver::new(&source, "pixels", clock, "reset_i", pace.clone()).unwrap();
+        bench.set("reset_i", 1).unwrap();
+        bench.steps(4, &mut [&mut tile, &mut receiver]).unwrap();
+        bench.set("reset_i", 0).unwrap();
+        for (kind, expected) in (1..=u64::from(TILE)).zip(&expected) {
+            // A frame that is broken off, and one that comes twice after it.
+            for count in [expected.len() / 3, 2 * expected.len()] {
+                bench.set("select_i", kind).unwrap();
+                receiver.beats.clear();
+                let start = bench.time_ps();
+                while receiver.beats.len() < count {
+                    bench.step(&mut [&mut tile, &mut receiver]).unwrap();
+                }
+                assert!(receiver.beats.iter().eq(expected.iter().cycle().take(count)), "pattern {kind}");
+                let cycles = (bench.time_ps() - start) as usize / 10_000;
+                assert!(cycles >= 4 * (count - 1), "pattern {kind}: {count} pixels in {cycles} cycles");
+                assert!(
+                    seed != 1 || cycles <= 4 * count + 4,
+                    "pattern {kind}: {count} pixels in {cycles} cycles"
+                );
+                // Without a pattern nothing comes, since the source offers nothing.
+                bench.set("select_i", 0).unwrap();
+                bench.steps(3, &mut [&mut tile, &mut receiver]).unwrap();
+                receiver.beats.clear();
+                bench.steps(50, &mut [&mut tile, &mut receiver]).unwrap();
+                assert_eq!(receiver.beats, []);
+            }
+        }
+    }
+}
+
+#[test]
+fn without_a_pattern_the_sources_pixels_pass_and_with_one_they_are_thrown_away() {
+    let source = source(PatternSource::new(FRAME));
+    let mut bench = Bench::new(model(&source, 6), 6);
+    let clock = bench.clock("clock_i", 10_000).unwrap();
+    let mut sender = Sender::new(&source, "source", clock, "reset_i", Throttle::drawn(7)).unwrap();
+    let mut receiver = Receiver::new(&source, "pixels", clock, "reset_i", Throttle::drawn(8)).unwrap();
+    for (name, value) in [("reset_i", 1), ("select_i", 0)] {
+        bench.set(name, value).unwrap();
+    }
+    bench.steps(4, &mut [&mut sender, &mut receiver]).unwrap();
+    bench.set("reset_i", 0).unwrap();
+    let draw = &mut Draw::new(9);
+    let sent: Vec<_> = (0..3000)
+        .map(|_| Beat {
+            data: draw.bits() & 0xffff,
+            user: draw.whole(0, 9) == 0,
+            last: draw.whole(0, 9) == 0,
+        })
+        .collect();
+    sender.beats = sent.clone().into();
+    bench.steps(20_000, &mut [&mut sender, &mut receiver]).unwrap();
+    assert_eq!(receiver.beats, sent);
+    // What the source sends during a pattern is nowhere.
+    bench.set("select_i", 4).unwrap();
+    bench.steps(4, &mut [&mut sender, &mut receiver]).unwrap();
+    sender.beats = sent.clone().into();
+    receiver.beats.clear();
+    bench.steps(20_000, &mut [&mut sender, &mut receiver]).unwrap();
+    assert!(sender.beats.is_empty() && receiver.beats.len() > 500);
+    assert!(receiver.beats.iter().all(|beat| beat.data == 0));
+}
+
+#[test]
+fn the_hosts_window_keeps_the_pixels_right_of_and_below_its_corner() {
+    let source = source(PictureWindow::new());
+    let (width, height) = (90, 80);
+    let port = |name: &str| source.port(name).unwrap();
+    let draw = &mut Draw::new(3);
+    let mut model = model(&source, 3);
+    model.poke(port("reset_i"), 1).unwrap();
+    (0..3).for_each(|_| model.tick().unwrap());
+    model.poke(port("reset_i"), 0).unwrap();
+    for (row, column) in [(0, 0), (0, 7), (9, 0), (13, 21), (60, 50)] {
+        model.poke(port("corner_i"), row << 16 | column).unwrap();
+        let codes = Array2::from_shape_simple_fn((height, width), || draw.bits() & 0xffff);
+        for ((y, x), &code) in codes.indexed_iter() {
+            while draw.whole(0, 3) == 0 {
+                for (name, value) in
+                    [("valid_i", 0), ("data_i", draw.bits() & 0xffff), ("user_i", 1), ("last_i", 1)]
+                {
+                    model.poke(port(name), value).unwrap();
+                }
+                model.tick().unwrap();
+            }
+            let is_first = u64::from((y, x) == (0, 0));
+            for (name, value) in [
+                ("valid_i", 1),
+                ("data_i", code),
+                ("user_i", is_first),
+                ("last_i", u64::from(x == width - 1)),
+            ] {
+                model.poke(port(name), value).unwrap();
+            }
+            model.tick().unwrap();
+        }
+        model.poke(port("valid_i"), 0).unwrap();
+        (0..4).for_each(|_| model.tick().unwrap());
+        for ((y, x), &code) in codes.indexed_iter() {
+            let (Some(y), Some(x)) = (y.checked_sub(row as usize), x.checked_sub(column as usize)) else {
+                continue;
+            };
+            if y < TILE_SIDE && x < TILE_SIDE {
+                model.poke(port("read_address_i"), (y * TILE_SIDE + x) as u64).unwrap();
+                (0..2).for_each(|_| model.tick().unwrap());
+                assert_eq!(
+                    model.peek(port("read_data_o")).unwrap(),
+                    code,
+                    "row {y}, column {x} of the corner {row}, {column}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_hosts_tile_gives_what_was_written_two_cycles_after_its_address() {
+    let source = source(PictureWindow::new());
+    let port = |name: &str| source.port(name).unwrap();
+    let (draw, model) = (&mut Draw::new(4), &mut model(&source, 4));
+    let mut tile = vec![None; TILE_SIDE * TILE_SIDE];
+    for _ in 0..20_000 {
+        let (address, word) = (draw.whole(0, 4095) as usize, draw.bits() & 0xffff);
+        let writes = draw.whole(0, 2) > 0;
+        let fields =
+            [("write_i", writes.into()), ("write_address_i", address as u64), ("write_data_i", word)];
+        fields.iter().for_each(|(name, value)| model.poke(port(name), *value).unwrap());
+        model.tick().unwrap();
+        if writes {
+            tile[address] = Some(word);
+        }
+        let read = draw.whole(0, 4095) as usize;
+        model.poke(port("write_i"), 0).unwrap();
+        model.poke(port("tile_address_i"), read as u64).unwrap();
+        (0..2).for_each(|_| model.tick().unwrap());
+        if let Some(word) = tile[read] {
+            assert_eq!(model.peek(port("tile_pixel_o")).unwrap(), word);
+        }
+    }
+}
+
+/// Edges of both clocks until `stopped` is `level`, at most `limit` cycles of the one that watches.
+fn cycles_until(bench: &mut Bench, level: u64, period: u64, limit: u64) -> u64 {
+    let start = bench.time_ps();
+    let cycles = |bench: &Bench| (bench.time_ps() - start) / period;
+    while bench.get("stopped_o").unwrap() != level && cycles(bench) < limit {
+        bench.step(&mut []).unwrap();
+    }
+    cycles(bench)
+}
+
+#[test]
+fn a_clock_that_stands_is_noticed_after_4096_cycles_and_one_that_runs_never() {
+    for (stands_at_first, watched_period) in
+        [(false, 1_000), (true, 10_100), (false, 200_000), (true, 4_000_000)]
+    {
+        let source = source(ClockWatch::new(stands_at_first)).metastable();
+        let mut bench = Bench::new(model(&source, 5), 5);
+        bench.clock("clock_i", 10_000).unwrap();
+        let watched = bench.clock("watched_i", watched_period).unwrap();
+        for reset in [1, 0] {
+            bench.set("reset_i", reset).unwrap();
+            bench.set("watched_reset_i", reset).unwrap();
+            bench.steps(10, &mut []).unwrap();
+        }
+        assert_eq!(bench.get("stopped_o").unwrap(), u64::from(stands_at_first));
+        // The eighth edge is the first that is seen.
+        let edges = 8 * watched_period / 10_000;
+        assert!(cycles_until(&mut bench, 0, 10_000, 20_000) <= edges + 8);
+        for _ in 0..2 {
+            assert!(
+                cycles_until(&mut bench, 1, 10_000, 20_000) >= 20_000,
+                "it runs, one edge in {watched_period} ps"
+            );
+            bench.run_clock(watched, false);
+            let cycles = cycles_until(&mut bench, 1, 10_000, 20_000);
+            assert!(cycles + edges >= 4_090 && cycles <= 4_110, "noticed after {cycles} cycles");
+            bench.run_clock(watched, true);
+            let cycles = cycles_until(&mut bench, 0, 10_000, 20_000);
+            assert!(cycles <= edges + 8, "noticed after {cycles} cycles");
+        }
+    }
+}
+
+/// The host: offers one access after the other until it is answered.
+struct Host {
+    clock: ClockId,
+    source: Source,
+    draw: Draw,
+    /// Kind (0 a weight, 1 a table's word, 2 a status word), address, word.
+    offered: Option<[u64; 3]>,
+    accesses: Vec<[u64; 3]>,
+    answers: Vec<u64>,
+    errors: usize,
+}
+
+/// What a stage shows at an address.
+const fn shown(address: u64) -> u64 {
+    (address.wrapping_mul(0x9e37_79b1) ^ 0x1234_5678) & 0xffff_ffff
+}
+
+impl Host {
+    fn poke(&self, model: &mut Model, name: &str, value: u64) -> Result<(), Error> {
+        model.poke(self.source.port(name)?, value)
+    }
+}
+
+impl Actor for Host {
+    fn clock(&self) -> ClockId {
+        self.clock
+    }
+
+    fn before(&mut self, model: &mut Model) -> Result<(), Error> {
+        if model.peek(self.source.port("ready_o")?)? == 1 {
+            let access = self.offered.take().expect("an answer to an access");
+            if model.peek(self.source.port("error_o")?)? == 1 {
+                self.errors += 1;
+            } else {
+                self.accesses.push(access);
+                if access[0] == 2 {
+                    self.answers.push(model.peek(self.source.port("read_value_o")?)?);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn after(&mut self, model: &mut Model) -> Result<(), Error> {
+        if self.offered.is_none() && self.draw.whole(0, 3) == 0 {
+            let (kind, word) = (self.draw.whole(0, 2) as u64, self.draw.bits());
+            self.offered = Some([kind, word >> 39, word & 0xffff_ffff]);
+        }
+        for (kind, name) in ["weight_valid_i", "table_valid_i", "stage_valid_i"].into_iter().enumerate() {
+            self.poke(model, name, self.offered.is_some_and(|access| access[0] == kind as u64).into())?;
+        }
+        let [_, address, word] = self.offered.unwrap_or_else(|| [0, 1, 2].map(|_| self.draw.bits() >> 40));
+        self.poke(model, "address_i", address)?;
+        self.poke(model, "data_i", word)
+    }
+}
+
+/// The calculator: notes what is written, and shows a word two cycles after its address.
+struct Calculator {
+    clock: ClockId,
+    source: Source,
+    written: Vec<[u64; 3]>,
+    addresses: VecDeque<u64>,
+}
+
+impl Actor for Calculator {
+    fn clock(&self) -> ClockId {
+        self.clock
+    }
+
+    fn before(&mut self, model: &mut Model) -> Result<(), Error> {
+        let address = model.peek(self.source.port("to_address_o")?)?;
+        for (kind, name) in [(0, "write_weight_o"), (1, "write_table_o")] {
+            if model.peek(self.source.port(name)?)? == 1 {
+                self.written.push([kind, address, model.peek(self.source.port("to_data_o")?)?]);
+            }
+        }
+        self.addresses.push_back(address);
+        Ok(())
+    }
+
+    fn after(&mut self, model: &mut Model) -> Result<(), Error> {
+        let address = if self.addresses.len() > 1 { self.addresses.pop_front() } else { None };
+        model.poke(self.source.port("status_i")?, address.map_or(0, shown))
+    }
+}
+
+#[test]
+fn an_access_of_the_calculator_is_carried_out_once_or_fails_where_its_clock_stands() {
+    let source = source(CalculatorPort::default()).metastable();
+    for (seed, (host, calculator)) in (1..).zip(crate::crossing::PERIODS) {
+        let mut bench = Bench::new(model(&source, seed), seed);
+        let clock = bench.clock("clock_i", host).unwrap();
+        let to_clock = bench.clock("to_clock_i", calculator).unwrap();
+        let empty = (vec![], vec![]);
+        let mut host = Host {
+            clock,
+            source: source.clone(),
+            draw: Draw::new(seed),
+            offered: None,
+            accesses: empty.0,
+            answers: empty.1,
+            errors: 0,
+        };
+        let mut calculator = Calculator {
+            clock: to_clock,
+            source: source.clone(),
+            written: vec![],
+            addresses: VecDeque::new(),
+        };
+        bench.set("is_down_i", 0).unwrap();
+        for reset in [1, 0] {
+            bench.set("reset_i", reset).unwrap();
+            bench.set("to_reset_i", reset).unwrap();
+            bench.steps(200, &mut []).unwrap();
+        }
+        bench.steps(30_000, &mut [&mut host, &mut calculator]).unwrap();
+        let writes =
+            |host: &Host| host.accesses.iter().copied().filter(|access| access[0] < 2).collect::<Vec<_>>();
+        assert!(host.accesses.len() > 50, "only {} accesses", host.accesses.len());
+        let asked = host.accesses.iter().filter(|access| access[0] == 2).map(|access| shown(access[1]));
+        assert!(host.answers.iter().copied().eq(asked));
+        // The last one may have been written and not yet be answered.
+        assert!(
+            calculator.written.starts_with(&writes(&host))
+                && calculator.written.len() <= writes(&host).len() + 1
+        );
+        assert_eq!(host.errors, 0);
+        // The calculator's clock stands: all that is offered fails, and nothing is written.
+        bench.run_clock(to_clock, false);
+        bench.set("is_down_i", 1).unwrap();
+        // An answer may be in flight.
+        bench.steps(3, &mut [&mut host, &mut calculator]).unwrap();
+        let (accesses, written) = (host.accesses.len(), calculator.written.len());
+        bench.steps(1_000, &mut [&mut host, &mut calculator]).unwrap();
+        assert!(host.errors > 50 && host.accesses.len() == accesses && calculator.written.len() == written);
+    }
+}
