@@ -1,6 +1,7 @@
 """The tests of `circuits` (crates/edof-cosim/tests) as judges of a mutant: which of them simulate a module, and whether one of them fails."""
 
 import concurrent.futures
+import functools
 import json
 import os
 import pathlib
@@ -10,6 +11,9 @@ import tempfile
 import time
 
 CRATE = pathlib.Path(__file__).parent.parent / "crates" / "edof-cosim"
+
+# Seconds after which a test with a mutant counts as failed: several times what the longest quick one takes.
+LIMIT = 400
 
 
 def module(file):
@@ -23,19 +27,24 @@ class CircuitTests:
     def __init__(self, run, sources, kept, jobs):
         self.run, self.kept = run, kept
         self.bytes = {module(path.name): path.stat().st_size for path in sources.glob("*.v")}
-        build = ["cargo", "test", "-q", "--locked", "-p", "edof-cosim", "--test", "circuits", "--no-run", "--message-format", "json"]
+        build = ["cargo", "test", "-q", "--locked", "--workspace", "--test", "circuits", "--no-run", "--message-format", "json"]
         said = subprocess.run(build, cwd=CRATE, stdout=subprocess.PIPE, text=True, check=True).stdout
         built = [json.loads(line) for line in said.splitlines() if line.startswith("{")]
         self.program = next(row["executable"] for row in built if row.get("executable") and row["target"]["name"] == "circuits")
-        if not kept.exists():
-            kept.write_text(json.dumps(self.look(jobs), indent=1))
-        self.table = json.loads(kept.read_text())
+        self.jobs = jobs
+
+    @functools.cached_property
+    def table(self):
+        """Each test's seconds and modules."""
+        if not self.kept.exists():
+            self.kept.write_text(json.dumps(self.look(), indent=1))
+        return json.loads(self.kept.read_text())
 
     def names(self, *options):
         said = subprocess.run([self.program, "--list", *options], stdout=subprocess.PIPE, text=True, check=True).stdout
         return {line.removesuffix(": test") for line in said.splitlines() if line.endswith(": test")}
 
-    def look(self, jobs):
+    def look(self):
         """Seconds and modules of each test that simulates something."""
         def one(name):
             with tempfile.TemporaryDirectory() as folder:
@@ -46,7 +55,7 @@ class CircuitTests:
                 modules = sorted(set(names.read_text().split())) if names.exists() else []
                 return name, {"seconds": round(time.monotonic() - start, 2), "modules": modules}
 
-        with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        with concurrent.futures.ThreadPoolExecutor(self.jobs) as pool:
             rows = dict(pool.map(one, sorted(self.names() - self.names("--ignored"))))
         return {name: row for name, row in rows.items() if row["modules"]}
 
@@ -75,4 +84,4 @@ class CircuitTests:
         """Whether the test fails with the mutant, or does not end. Its models are kept in the folder for the next test."""
         path = folder / "mutant.json"
         path.write_text(json.dumps({"module": module(mutant.file), "line": mutant.was, "place": mutant.place, "mutated": mutant.line}))
-        return self.once(name, {"EDOF_MUTANT": str(path)}, 120 + 10 * self.table[name]["seconds"]) != 0
+        return self.once(name, {"EDOF_MUTANT": str(path)}, LIMIT) != 0

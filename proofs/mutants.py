@@ -92,7 +92,7 @@ def sites(text):
 
 
 class Mutant:
-    """A fault in one file. One that was drawn changes the line `was`, the `place`th of its kind, to `line`."""
+    """A fault in one file, which changes the line `was`, the `place`th of its kind, to `line`."""
 
     def __init__(self, name, file, text, what, was=None, place=None, line=None):
         self.name, self.file, self.text, self.what = name, file, text, what
@@ -179,14 +179,21 @@ def proof_of(generated, mutant, task, out, patience):
         return how.startswith("FAIL")
 
 
+def changed(name, file, old, new, what):
+    """The mutant that changes one line of a text."""
+    before, after = old.split("\n"), new.split("\n")
+    number = next(number for number, line in enumerate(before) if line != after[number])
+    return Mutant(name, file, new, what, before[number], before[:number].count(before[number]), after[number])
+
+
 def curated(generated):
     """Those of mutants.json."""
     for row in json.loads((HERE / "mutants.json").read_text()):
-        text = (generated / "rtl" / row["file"]).read_text()
-        text, count = re.subn(row["pattern"], lambda _: row["new"], text)
+        old = (generated / "rtl" / row["file"]).read_text()
+        new, count = re.subn(row["pattern"], lambda _: row["new"], old)
         if count != 1:
             sys.exit(f"mutants.py: '{row['pattern']}' stands {count} times in {row['file']}, not once")
-        yield Mutant(row["name"], row["file"], text, row["new"]), row["seen_by"]
+        yield changed(row["name"], row["file"], old, new, row["new"]), row["seen_by"]
 
 
 def drawn(generated, blocks, seed):
@@ -199,9 +206,8 @@ def drawn(generated, blocks, seed):
     draw.shuffle(places)
     for file, operator, number, line in places:
         lines = (generated / "rtl" / file).read_text().split("\n")
-        place = lines[:number].count(lines[number])
-        was, lines[number] = lines[number], line
-        yield Mutant(f"{file}:{number + 1}:{operator}", file, "\n".join(lines), f"{was.strip()} -> {line.strip()}", was, place, line)
+        old, was, lines[number] = "\n".join(lines), lines[number], line
+        yield changed(f"{file}:{number + 1}:{operator}", file, old, "\n".join(lines), f"{was.strip()} -> {line.strip()}")
 
 
 class Judges:
@@ -219,7 +225,7 @@ class Judges:
                     if not (HERE / file).exists():
                         self.of_file[file].append(task["name"])
         self.in_bench = {"bench": self.below("chain"), "core_bench": self.below("edof_core")}
-        self.circuits = None if options.draw is None else CircuitTests(run, self.generated / "rtl", out / "tests.json", options.jobs)
+        self.circuits = CircuitTests(run, self.generated / "rtl", out / "tests.json", options.jobs)
 
     def below(self, top):
         """The files of a module and of all its parts."""
@@ -242,6 +248,10 @@ class Judges:
         if name == "cosim":
             return cosim_of(self.options, mutant, 4 * self.limit, self.out)
         return proof_of(self.generated, mutant, self.tasks[name], self.out, self.patience)
+
+    def sees_alone(self, name, mutant):
+        with tempfile.TemporaryDirectory(dir=self.out) as folder:
+            return self.sees(name, mutant, pathlib.Path(folder))
 
     def names(self, file):
         """Who judges the mutants of a file, the quickest first."""
@@ -344,7 +354,7 @@ def test_table(judges, options, pool):
     """Each mutant of mutants.json by the test that must see it."""
     start = time.monotonic()
     rows = [row for row in curated(judges.generated) if not options.block or row[0].file.removesuffix(".v") in options.block]
-    waiting = {pool.submit(judges.sees, by, mutant): (mutant, by) for mutant, by in rows}
+    waiting = {pool.submit(judges.sees_alone, by, mutant): (mutant, by) for mutant, by in rows}
     missed = 0
     for job in concurrent.futures.as_completed(waiting):
         mutant, by = waiting[job]

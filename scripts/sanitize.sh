@@ -20,7 +20,7 @@ watched="$(g++ -print-file-name=libasan.so) $(g++ -print-file-name=libstdc++.so.
 watch() {
     local package=$1 name=$2 program
     shift 2
-    program=$(cargo test -q --locked -p "$package" --test "$name" --no-run --message-format json |
+    program=$(cargo test -q --locked --workspace --test "$name" --no-run --message-format json |
         sed -n "s/.*\"name\":\"$name\".*\"executable\":\"\([^\"]*\)\".*/\1/p")
     (cd "crates/$package" && CXXFLAGS=-fsanitize=address LD_PRELOAD=$watched "$program" "$@")
 }
