@@ -200,3 +200,193 @@ impl Calibration {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use edof_image::draw::Draw;
+    use edof_image::{CfaPhase, Window};
+    use edof_network::network::Shrinkage;
+
+    const CODES: usize = 3;
+
+    fn form(layers: usize, recurrence: Recurrence) -> Form {
+        Form {
+            window: Window::new(8).unwrap(),
+            codes: CODES,
+            layers,
+            shrinkage: Shrinkage::OneSided,
+            recurrence,
+            linear_path: false,
+            tied: false,
+        }
+    }
+
+    fn noise(seed: u64, length: usize) -> Vec<f32> {
+        let mut draw = Draw::new(seed);
+        (0..length).map(|_| draw.whole(-1000, 1000) as f32 * 1e-3).collect()
+    }
+
+    fn network(layers: usize) -> Network {
+        let form = form(layers, Recurrence::Direct);
+        let origin = edof_random::natural(8, 8, 1).origin;
+        let length = edof_float::parameters::Layout::new(&form).len();
+        edof_float::parameters::unflatten(form, &noise(5, length), origin)
+    }
+
+    fn raw(height: usize, width: usize) -> RawFrame {
+        let mut draw = Draw::new(9);
+        let values = Array2::from_shape_fn((height, width), |_| draw.whole(0, 4095) as u16);
+        RawFrame::from_values(values, 12, CfaPhase::Rggb).unwrap()
+    }
+
+    /// Two batches, of eight windows and of five: what is left of the first must not count in the second.
+    fn two_batches(recurrence: Recurrence) -> (Form, Vec<f32>, [Vec<f32>; 2]) {
+        let form = form(4, recurrence);
+        let weights = noise(1, edof_float::parameters::Layout::new(&form).len());
+        let large = noise(2, 8 * 64).iter().map(|v| 3.0 * v).collect();
+        (form, weights, [large, noise(3, 5 * 64)])
+    }
+
+    /// All b_t and all z_t of one window.
+    type Codes = [Vec<Vec<f32>>; 2];
+
+    /// Those of single windows.
+    fn codes(form: Form, weights: &[f32], inputs: &[f32]) -> Vec<Codes> {
+        let mut pass = Pass::new(form, 1);
+        let each = inputs.chunks_exact(64).map(|y| {
+            pass.forward(weights, y, 1);
+            let all = |of: fn(&Pass, usize) -> &[f32]| {
+                (0..form.shrinkages()).map(|t| of(&pass, t).to_vec()).collect()
+            };
+            [all(|pass, t| pass.b(t)), all(|pass, t| pass.z(t))]
+        });
+        each.collect()
+    }
+
+    fn assert_near(found: f64, expected: f64, what: &str) {
+        assert!((found - expected).abs() <= 1e-4 * expected.abs().max(1e-2), "{what}: {found} {expected}");
+    }
+
+    #[test]
+    fn the_largest_codes_and_changes_of_all_windows_are_kept() {
+        for recurrence in [Recurrence::Direct, Recurrence::Difference] {
+            let (form, weights, batches) = two_batches(recurrence);
+            for order in [[0, 1], [1, 0]] {
+                let (mut seen, mut pass) = (Calibration::new(&form), Pass::new(form, 8));
+                // The pass still holds large codes of eight windows that this calibration has not seen.
+                pass.forward(&weights, &batches[0], 8);
+                let mut windows = vec![];
+                for (i, batch) in order.into_iter().enumerate() {
+                    seen.observe(&mut pass, &weights, &batches[batch], form);
+                    windows.extend(codes(form, &weights, &batches[batch]));
+                    assert_eq!(seen.windows, if i == 1 { 13 } else { [8, 5][batch] });
+                    for (t, c) in (0..3).flat_map(|t| (0..CODES).map(move |c| (t, c))) {
+                        let most = |of: &dyn Fn(&Codes) -> f32| {
+                            f64::from(windows.iter().map(of).fold(0.0, f32::max))
+                        };
+                        let code = most(&|[b, z]| b[t][c].abs().max(z[t][c].abs()));
+                        assert_near(seen.codes[t][c].into(), code, "codes");
+                        let change = match recurrence {
+                            Recurrence::Difference if t > 0 => most(&|[_, z]| (z[t][c] - z[t - 1][c]).abs()),
+                            _ => 0.0,
+                        };
+                        assert_near(seen.changes[t][c].into(), change, "changes");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn moments_are_sums_of_products_of_what_each_layer_multiplies() {
+        for recurrence in [Recurrence::Direct, Recurrence::Difference] {
+            let (form, weights, batches) = two_batches(recurrence);
+            let (mut seen, mut pass) = (Calibration::new(&form), Pass::new(form, 8));
+            let mut vectors: Vec<[Vec<f32>; 3]> = vec![];
+            for batch in &batches {
+                seen.observe(&mut pass, &weights, batch, form);
+                seen.observe_moments(&pass, batch, form);
+                for ([_, z], y) in codes(form, &weights, batch).iter().zip(batch.chunks_exact(64)) {
+                    let change = z[1].iter().zip(&z[0]).map(|(z, before)| z - before).collect();
+                    let second = if recurrence == Recurrence::Difference { change } else { z[1].clone() };
+                    vectors.push([z[0].clone(), second, [&z[2], y].concat()]);
+                }
+            }
+            for (which, moments) in seen.sent.iter().chain([&seen.outputs]).enumerate() {
+                for ((i, j), sum) in moments.indexed_iter() {
+                    let products = vectors.iter().map(|v| f64::from(v[which][i]) * f64::from(v[which][j]));
+                    assert!((sum - products.sum::<f64>()).abs() < 1e-2, "{which} {i} {j}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_frame_is_all_windows_at_the_finest_stride_and_moments_are_those_of_its_first_batch() {
+        let (network, raw) = (network(3), raw(48, 64));
+        let geometry = Geometry::new(network.form.window, Stride::FINEST);
+        let (rows, columns) = geometry.patches(48, 64);
+        let inputs: Vec<f32> = (0..rows * columns)
+            .flat_map(|i| edof_golden::windows::window(&raw, geometry, i / columns, i % columns))
+            .map(|word| f32::from(word) / 32768.0)
+            .collect();
+        assert!(rows * columns > 2 * BATCH);
+        let seen = Calibration::measure(&network, [&raw]).unwrap();
+        assert_eq!(seen.windows, (rows * columns) as u64);
+        for (i, j) in [(0, 0), (3, 3), (0, 63), (17, 40)] {
+            let sum: f64 = inputs.chunks_exact(64).take(BATCH).map(|y| f64::from(y[i] * y[j])).sum();
+            assert_near(seen.outputs[(CODES + i, CODES + j)], sum, "outputs");
+        }
+        let windows = codes(network.form, &flatten(&network), &inputs);
+        for (t, c) in (0..2).flat_map(|t| (0..CODES).map(move |c| (t, c))) {
+            let most = windows.iter().map(|[b, z]| b[t][c].abs().max(z[t][c].abs())).fold(0.0, f32::max);
+            assert_near(seen.codes[t][c].into(), most.into(), "codes");
+        }
+        let twice = Calibration::measure(&network, [&raw, &raw]).unwrap();
+        assert_eq!(twice, seen.clone().merged(&seen));
+        let none = Calibration::measure_while(&network, [&raw], || ControlFlow::Break(())).unwrap();
+        assert_eq!(none, Calibration::new(&network.form));
+    }
+
+    #[test]
+    fn two_calibrations_merge_to_the_larger_codes_and_the_sums_of_all_else() {
+        let form = form(3, Recurrence::Direct);
+        let of = |windows: u64, code: f32, change: f32, moment: f64| {
+            let mut seen = Calibration::new(&form);
+            seen.windows = windows;
+            seen.codes[1] = vec![code, 1.0, -code];
+            seen.changes[1] = vec![change; CODES];
+            seen.sent[0].fill(moment);
+            seen.outputs.fill(2.0 * moment);
+            seen
+        };
+        let both = of(3, 5.0, 0.5, 1.5).merged(&of(4, 2.0, 0.75, 2.5));
+        assert_eq!(both.windows, 7);
+        assert_eq!(both.codes, [vec![0.0; CODES], vec![5.0, 1.0, -2.0]]);
+        assert_eq!(both.changes, [vec![0.0; CODES], vec![0.75; CODES]]);
+        assert!(both.sent[0].iter().all(|m| *m == 4.0) && both.outputs.iter().all(|m| *m == 8.0));
+    }
+
+    #[test]
+    fn a_calibration_is_refused_for_each_thing_that_does_not_fit() {
+        let form = form(3, Recurrence::Direct);
+        let after = |change: fn(&mut Calibration)| {
+            let mut seen = Calibration::new(&form);
+            seen.windows = 1;
+            change(&mut seen);
+            seen.check(&form).map_err(|error| error.to_string())
+        };
+        assert_eq!(after(|_| ()), Ok(()));
+        let refused = |change, part: &str| assert!(after(change).unwrap_err().contains(part), "{part}");
+        refused(|seen| seen.windows = 0, "no windows seen");
+        refused(|seen| seen.codes.truncate(1), "another form");
+        refused(|seen| seen.codes[1].push(0.0), "another form");
+        refused(|seen| seen.changes.truncate(1), "another form");
+        refused(|seen| seen.changes[0].truncate(2), "another form");
+        refused(|seen| seen.sent.truncate(0), "another form");
+        refused(|seen| seen.outputs = Array2::zeros((67, 66)), "another form");
+        refused(|seen| seen.sent[0][(1, 2)] = f64::INFINITY, "too large to be squared");
+        refused(|seen| seen.outputs[(66, 0)] = f64::NAN, "too large to be squared");
+    }
+}

@@ -128,4 +128,59 @@ mod tests {
         assert!(scenes[0].raw.values().iter().all(|c| c.abs_diff(2048) <= 1));
         assert!(scenes[1].raw.values().iter().any(|c| c.abs_diff(2048) > 30));
     }
+
+    #[test]
+    fn shots_are_exposed_without_noise_and_then_with_the_most_each_with_its_own_seed() {
+        let sharp = ColourFrame { planes: ndarray::Array3::from_elem((3, 16, 16), 0.5) };
+        let condition =
+            Condition { tone: Tone::Linear, noise: Noise::gaussian(0.02), least_noise: Noise::None };
+        let scenes = shots("grey", &sharp, &sharp, 1.5, &condition).unwrap();
+        let exposed =
+            |seed, noise| expose(&sharp, &Sensor { depth: 12, noise, seed, ..Sensor::default() }).unwrap();
+        assert_eq!(scenes.len(), 2);
+        assert_eq!(scenes[0].raw.values(), exposed(1, Noise::None).values());
+        assert_eq!(scenes[1].raw.values(), exposed(2, condition.noise).values());
+        assert_eq!(scenes[0].name, "grey, linear, psi 1.5, noise none");
+        assert!(scenes.iter().all(|scene| scene.sharp == &sharp && scene.tone == Tone::Linear));
+    }
+
+    #[test]
+    fn depths_lie_evenly_from_end_to_end() {
+        assert_eq!(depths([1.0, 3.0]), [1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0]);
+        assert_eq!(depths([-4.0, 4.0])[..2], [-4.0, -3.0]);
+        assert_eq!(depths([2.0, 2.0]), [2.0]);
+    }
+
+    #[test]
+    fn the_calibration_states_its_depths_conditions_and_windows() {
+        let origin = Origin::untrained("n", Camera::resolve("ring-2018").unwrap());
+        let stated = calibrated_on(&origin, 77);
+        assert_eq!((stated.stride, stated.windows, stated.depth), (Stride::FINEST, 77, 12));
+        assert_eq!(stated.psis, depths(origin.camera.psi_range));
+        assert_eq!(stated.conditions, origin.conditions);
+    }
+
+    #[test]
+    fn progress_counts_pictures_that_are_done() {
+        let grey = |name: &str| {
+            (name.to_owned(), ColourFrame { planes: ndarray::Array3::from_elem((3, 16, 16), 0.5) })
+        };
+        let mut camera = Camera::resolve("clear").unwrap();
+        camera.psi_range = [0.0, 0.0];
+        let mut told = vec![];
+        let pictures = [grey("a"), grey("b")];
+        let scenes = capture(&pictures, &Origin::untrained("n", camera), |done| told.push(done)).unwrap();
+        assert_eq!((told, scenes.len()), (vec![1, 2], 2));
+    }
+
+    #[test]
+    fn three_different_pictures_of_leaves_stand_in_for_photographs() {
+        let pictures = drawn().unwrap();
+        assert_eq!(
+            pictures.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(),
+            ["leaves-0", "leaves-1", "leaves-2"]
+        );
+        assert!(pictures.iter().all(|(_, picture)| picture.size() == (384, 512)));
+        assert!(pictures[0].1 != pictures[1].1 && pictures[1].1 != pictures[2].1);
+    }
 }

@@ -86,3 +86,58 @@ pub fn evaluate(
         .collect::<Result<_, ReconstructError>>()?;
     Ok(Evaluation { scenes: losses, counts })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use edof_golden::GoldenReconstructor;
+    use edof_image::CfaPhase;
+    use ndarray::{Array2, Array3};
+
+    fn loss(name: &str, float_db: f64, fixed_db: f64) -> SceneLoss {
+        SceneLoss { name: name.to_owned(), float_db, fixed_db }
+    }
+
+    #[test]
+    fn what_is_lost_is_the_float_figure_less_that_of_the_integers() {
+        let scenes = vec![loss("a", 30.0, 29.5), loss("b", 20.0, 17.0), loss("c", 25.0, 25.5)];
+        assert_eq!(scenes.iter().map(SceneLoss::lost_db).collect::<Vec<_>>(), [0.5, 3.0, -0.5]);
+        let all = Evaluation { scenes, counts: Counts::default() };
+        assert_eq!(all.mean_lost_db(), 1.0);
+        assert_eq!(all.worst().unwrap().name, "b");
+        let none = Evaluation { scenes: vec![], counts: Counts::default() };
+        assert_eq!((none.mean_lost_db(), none.worst()), (0.0, None));
+    }
+
+    #[test]
+    fn every_scene_is_measured_in_its_tone_through_both_and_counted() {
+        let network = |seed| edof_random::natural(8, 8, seed);
+        let (float, fixed) =
+            (GoldenReconstructor::new(network(1), "float").unwrap(), Golden::new(network(2)).unwrap());
+        let sharp = ColourFrame { planes: Array3::from_elem((3, 16, 24), 0.25) };
+        let raw = |level: u16| {
+            let values = Array2::from_shape_fn((16, 24), |(r, c)| level + (r * 31 + c * 17) as u16);
+            RawFrame::from_values(values, 12, CfaPhase::Rggb).unwrap()
+        };
+        let scenes = [(Tone::Linear, 600), (Tone::Srgb, 1800)].map(|(tone, level)| Scene {
+            name: format!("scene {level}"),
+            raw: raw(level),
+            sharp: &sharp,
+            tone,
+        });
+        let psnr = |sharp: &ColourFrame, other: &ColourFrame| {
+            f64::from(other.planes.mean().unwrap()) - 10.0 * f64::from(sharp.planes.mean().unwrap())
+        };
+        let found = evaluate(&float, &fixed, &scenes, psnr).unwrap();
+        let mut counts = Counts::new(4);
+        for (scene, loss) in scenes.iter().zip(&found.scenes) {
+            let out = fixed.frame(&scene.raw).unwrap();
+            counts.merge(&out.counts);
+            let float = float.reconstruct(&scene.raw).unwrap().frame;
+            assert_eq!(loss.name, scene.name);
+            assert_eq!(loss.float_db, psnr(&sharp, &scene.tone.encoded(&float)));
+            assert_eq!(loss.fixed_db, psnr(&sharp, &scene.tone.encoded(&out.colour())));
+        }
+        assert_eq!((found.scenes.len(), found.counts), (2, counts));
+    }
+}

@@ -267,3 +267,6 @@ fn validation(dataset: &Dataset, conditions: &Conditions) -> Vec<Batch> {
     }
     sets
 }
+
+#[cfg(test)]
+mod tests;

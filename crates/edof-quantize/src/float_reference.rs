@@ -174,4 +174,60 @@ mod tests {
             assert_eq!(values.clipped > 0, saturated > 0, "seed {seed}");
         }
     }
+
+    #[test]
+    fn a_format_ends_at_its_least_and_largest_word() {
+        assert_eq!(ends(8, 0), [-128.0, 127.0]);
+        assert_eq!(ends(8, 3), [-16.0, 15.875]);
+        assert_eq!(ends(16, 14), [-2.0, 2.0 - 1.0 / 16384.0]);
+        let fixed = edof_random::natural(8, 8, 1);
+        let code = ends(16, 14);
+        assert_eq!(all_ends(&fixed), [[-1.0, 1.0 - 1.0 / 32768.0], code, code, code]);
+    }
+
+    /// Even inputs make I's one shift exact, and all others are none.
+    #[test]
+    fn every_word_and_every_saturation_is_that_of_the_integers_where_nothing_is_rounded() {
+        for seed in 0..64u64 {
+            let flags = [1, 2, 4, 8].map(|bit| seed & bit != 0);
+            let form = Form {
+                window: Window::new(8).unwrap(),
+                codes: 6,
+                layers: 2 + (seed / 3 % 4) as usize,
+                shrinkage: if flags[0] { Shrinkage::OneSided } else { Shrinkage::TwoSided },
+                recurrence: if flags[1] { Recurrence::Difference } else { Recurrence::Direct },
+                linear_path: flags[2],
+                tied: flags[3],
+            };
+            let mut fixed = edof_random::extreme(form, 12, Stride::PATCH, true, seed);
+            if seed >= 32 {
+                // Weights of −1, 0 and 1 saturate less.
+                let matrices = fixed.recurrent.iter_mut().chain([&mut fixed.analysis, &mut fixed.dictionary]);
+                matrices.for_each(|m| m.weights.mapv_inplace(i16::signum));
+            }
+            fixed.linear_path.iter_mut().for_each(|r| r.fraction = 0);
+            let reference = FloatReference::<f64>::new(&fixed, &Folded::of(&fixed));
+            let divisor = if seed >= 32 { 64 } else { 1 };
+            let mut draw = Draw::new(seed);
+            let mut window = || {
+                let words = edof_random::extreme_window(&mut draw, 64);
+                words.iter().map(|w| (w / divisor) & !1).collect::<Vec<i16>>()
+            };
+            let windows = [window(), window()];
+            let both = reference.run(&windows.concat());
+            let mut clipped = 0;
+            for (i, y) in windows.iter().enumerate() {
+                let trace = scalar::run(&fixed, y);
+                let words = trace.layers.iter().map(|layer| &layer.b).chain([&trace.output]);
+                assert_eq!(both.stages.len(), form.layers);
+                for (t, (words, values)) in words.zip(&both.stages).enumerate() {
+                    let expected: Vec<f64> = words.iter().map(|w| f64::from(*w) / 16384.0).collect();
+                    let own = &values[i * words.len()..][..words.len()];
+                    assert_eq!(own, expected, "seed {seed}, stage {t}");
+                }
+                clipped += trace.stages.iter().map(edof_golden::StageCounts::saturations).sum::<u64>();
+            }
+            assert_eq!(both.clipped, clipped, "seed {seed}");
+        }
+    }
 }

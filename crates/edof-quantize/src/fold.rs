@@ -172,4 +172,123 @@ mod tests {
         let cb = map.row(64 + 3 * 4 + 1).dot(&blue);
         assert!((cb - 0.5 * CHROMA_GAIN * weights[(3, 2)]).abs() < 1e-12);
     }
+
+    fn form(flags: [bool; 2]) -> Form {
+        Form {
+            window: edof_image::Window::new(8).unwrap(),
+            codes: 2,
+            layers: 4,
+            shrinkage: edof_network::network::Shrinkage::OneSided,
+            recurrence: edof_network::network::Recurrence::Direct,
+            linear_path: flags[0],
+            tied: flags[1],
+        }
+    }
+
+    /// A network whose every number is different.
+    fn network(flags: [bool; 2]) -> Network {
+        let form = form(flags);
+        let flat: Vec<f32> = (0..Layout::new(&form).len()).map(|i| (i + 1) as f32 / 1024.0).collect();
+        edof_float::parameters::unflatten(form, &flat, edof_random::natural(8, 8, 1).origin)
+    }
+
+    #[test]
+    fn a_flat_vector_is_row_by_row_in_the_order_of_its_layout() {
+        for flags in [[false, false], [true, false], [false, true], [true, true]] {
+            let layout = Layout::giving(&form(flags), OUTPUTS_422);
+            let flat: Vec<f32> = (0..layout.len()).map(|i| i as f32).collect();
+            let folded = Folded::unflatten(&form(flags), &flat);
+            assert_eq!(folded.flatten(), flat);
+            let at = |range: &Range<usize>, offset: usize| (range.start + offset) as f64;
+            assert_eq!((folded.analysis.dim(), folded.dictionary.dim()), ((2, 64), (128, 2)));
+            assert_eq!(folded.analysis[(1, 5)], at(&layout.analysis, 69));
+            assert_eq!(folded.thresholds[2][1], at(&layout.thresholds[2], 1));
+            assert_eq!(folded.recurrent.len(), layout.recurrent.len());
+            assert_eq!(folded.recurrent[0][(1, 0)], at(&layout.recurrent[0], 2));
+            assert_eq!(folded.dictionary[(100, 1)], at(&layout.dictionary, 201));
+            let r = folded.linear_path.as_ref().map(|r| r[(3, 7)]);
+            assert_eq!(r, flags[0].then(|| at(&layout.linear_path, 3 * 64 + 7)));
+        }
+    }
+
+    #[test]
+    fn words_stand_for_multiples_of_their_last_bit() {
+        let mut fixed = edof_random::extreme(form([true, false]), 8, Stride::PATCH, false, 4);
+        fixed.code_fractions = vec![3, 4, 5];
+        let folded = Folded::of(&fixed);
+        let last_bit = |fraction: u32| 0.5f64.powi(fraction as i32);
+        let value = |m: &FixedMatrix| f64::from(m.weights[(1, 1)]) * last_bit(m.fraction);
+        assert_eq!(folded.analysis[(1, 1)], value(&fixed.analysis));
+        assert_eq!(folded.recurrent[1][(1, 1)], value(&fixed.recurrent[1]));
+        assert_eq!(folded.dictionary[(1, 1)], value(&fixed.dictionary));
+        assert_eq!(folded.linear_path.unwrap()[(1, 1)], value(fixed.linear_path.as_ref().unwrap()));
+        for (t, theta) in folded.thresholds.iter().enumerate() {
+            assert_eq!(*theta, fixed.thresholds[t].mapv(|w| f64::from(w) * last_bit(3 + t as u32)));
+        }
+    }
+
+    #[test]
+    fn every_output_has_the_weight_of_the_pixel_where_it_lies() {
+        let stride = Stride::new(2).unwrap();
+        let window = Overlap::Hann.weights(stride);
+        let found = output_weights(stride, Overlap::Hann);
+        let luma = (0..8).flat_map(|r| (0..8).map(move |c| (r, c, 1.0)));
+        let chroma = (0..8).flat_map(|r| (0..4).map(move |site| (r, 2 * site, CHROMA_GAIN)));
+        let all: Vec<_> = luma.chain(chroma.clone()).chain(chroma).collect();
+        assert_eq!(found.len(), all.len());
+        for (weight, (row, column, gain)) in found.iter().zip(all) {
+            assert_eq!(*weight, window[(row, column)] * gain);
+        }
+    }
+
+    #[test]
+    fn scales_make_the_largest_value_seen_times_headroom_the_largest_code() {
+        let options = QuantizeOptions { bits: 8, headroom: 2.0, ..QuantizeOptions::default() };
+        let mut network = network([false, false]);
+        network.analysis.row_mut(0).fill(-0.5);
+        network.analysis.row_mut(1).fill(0.0);
+        network.thresholds.iter_mut().for_each(|theta| theta.fill(0.0));
+        let mut seen = Calibration::new(&network.form);
+        let full = 127.0 / 128.0;
+        let check = |network: &Network, seen: &Calibration, largest: [f64; 2]| {
+            for (scale, largest) in scales(network, seen, &options).iter().zip(largest) {
+                let expected = if largest == 0.0 { 1.0 } else { full / (2.0 * largest) };
+                assert!((scale - expected).abs() < 1e-9 * expected, "{scale} {expected}");
+            }
+        };
+        // No window makes more of the first than 64·0.5; a hundredth of that counts as seen.
+        check(&network, &seen, [0.32, 0.0]);
+        seen.codes[1] = vec![0.25, 4.0];
+        check(&network, &seen, [0.32, 4.0]);
+        seen.changes[2] = vec![0.5, 3.0];
+        check(&network, &seen, [0.5, 4.0]);
+        network.thresholds[2] = ndarray::array![7.0, -6.0];
+        check(&network, &seen, [0.5, 6.0]);
+    }
+
+    #[test]
+    fn scaled_codes_leave_every_product_what_it_was() {
+        let stride = Stride::new(4).unwrap();
+        for flags in [[false, false], [true, true]] {
+            let network = network(flags);
+            let scales = [2.0, 0.25];
+            let folded = fold(&network, &scales, stride, Overlap::Hann);
+            let map = output_map(stride, Overlap::Hann);
+            let wide = |m: &Array2<f32>| m.mapv(f64::from);
+            let near = |a: f64, b: f64| assert!((a - b).abs() <= 1e-12 * b.abs().max(1.0), "{a} {b}");
+            for ((r, c), w) in folded.analysis.indexed_iter() {
+                near(*w, f64::from(network.analysis[(r, c)]) * scales[r]);
+            }
+            for ((t, theta), i) in folded.thresholds.iter().enumerate().flat_map(|t| [(t, 0), (t, 1)]) {
+                near(theta[i], f64::from(network.thresholds[t][i]) * scales[i]);
+            }
+            for (s, float) in folded.recurrent.iter().zip(&network.recurrent) {
+                s.indexed_iter()
+                    .for_each(|((r, c), w)| near(*w, f64::from(float[(r, c)]) * scales[r] / scales[c]));
+            }
+            let dictionary = map.dot(&wide(&network.dictionary));
+            folded.dictionary.indexed_iter().for_each(|((r, c), w)| near(*w, dictionary[(r, c)] / scales[c]));
+            assert_eq!(folded.linear_path, network.linear_path.as_ref().map(|r| map.dot(&wide(r))));
+        }
+    }
 }

@@ -258,3 +258,6 @@ fn word(value: f64, fraction: u32, bits: u32) -> i16 {
 fn max_word(bits: u32) -> f64 {
     f64::from((1u32 << (bits - 1)) - 1)
 }
+
+#[cfg(test)]
+mod tests;

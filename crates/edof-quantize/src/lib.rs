@@ -176,3 +176,47 @@ fn report(fixed: &FixedNetwork, used: &[f64]) -> Vec<LayerReport> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_report_states_the_formats_of_every_layer() {
+        let mut fixed = edof_random::natural(8, 8, 1);
+        fixed.recurrent[1].fraction = 15;
+        let bits = fixed.accumulator_bits();
+        let layer =
+            |layer: usize, name: &str, share: Option<f64>, fraction, weights: &[u32], shift| LayerReport {
+                name: name.to_owned(),
+                range_used: share.map(|share| share / 32767.0),
+                result_fraction: fraction,
+                weight_fractions: weights.to_vec(),
+                shift,
+                accumulator_bits: bits[layer],
+            };
+        let expected = [
+            layer(0, "I", Some(0.5 * 32768.0), 15, &[17], 17),
+            layer(1, "M1", Some(0.75 * 16384.0), 14, &[16], 17),
+            layer(2, "M2", Some(0.125 * 16384.0), 14, &[15], 15),
+            layer(3, "F", None, 14, &[15, 20], 21),
+        ];
+        assert_eq!(report(&fixed, &[0.5, 0.75, 0.125]), expected);
+        fixed.linear_path = None;
+        let last = report(&fixed, &[0.5, 0.75, 0.125]).pop().unwrap();
+        assert_eq!((last.weight_fractions, last.shift), (vec![15], 15));
+    }
+
+    #[test]
+    fn options_are_refused_just_outside_their_range() {
+        let check = |bits, headroom| QuantizeOptions { bits, headroom, ..QuantizeOptions::default() }.check();
+        assert_eq!(QuantizeOptions::default().check(), Ok(()));
+        assert_eq!((check(8, 1.0), check(16, 1.0)), (Ok(()), Ok(())));
+        for bits in [7, 17] {
+            let source = FixedNetworkError::CodeBits(bits);
+            assert_eq!(check(bits, 2.0), Err(QuantizeError::Fixed { bits, source }));
+        }
+        assert_eq!(check(16, 0.999), Err(QuantizeError::Headroom(0.999)));
+        assert!(matches!(check(16, f64::NAN), Err(QuantizeError::Headroom(_))));
+    }
+}

@@ -164,4 +164,148 @@ mod tests {
         let words = round(&factor(Array2::eye(16)), &matrix, &[6; 16], 8);
         assert_eq!(words, matrix.mapv(|w| (w * 64.0 + 0.5).floor() as i16));
     }
+
+    /// What is left of a row's error along each column of L, in half steps: rounding keeps it within −1…1.
+    fn left_over(factor: &Cholesky, row: &[f64], words: &[i16], fractions: &[u32]) -> Vec<f64> {
+        let unit = |k: usize| 0.5f64.powi(fractions[k] as i32);
+        let l = factor.lower();
+        let error = |k: usize| row[k] - f64::from(words[k]) * unit(k);
+        let along = |j: usize| (j..row.len()).map(|k| l[(k, j)] * error(k)).sum::<f64>();
+        (0..row.len()).map(|j| along(j) / (0.5 * l[(j, j)] * unit(j))).collect()
+    }
+
+    fn some_moments(n: usize, seed: u64) -> Array2<f64> {
+        let mut draw = Draw::new(seed);
+        let v = Array2::from_shape_fn((n, 2 * n), |_| draw.whole(-100, 200) as f64 * 0.01);
+        v.dot(&v.t())
+    }
+
+    #[test]
+    fn along_every_column_less_than_half_a_step_is_left() {
+        let (n, fractions) = (6, [3, 5, 4, 6, 2, 5]);
+        for seed in 0..20 {
+            let mut draw = Draw::new(seed);
+            let factor = factor(some_moments(n, seed));
+            let matrix = Array2::from_shape_fn((4, n), |_| draw.whole(-1000, 1000) as f64 * 1e-3);
+            let words = round(&factor, &matrix, &fractions, 16);
+            for (row, words) in matrix.outer_iter().zip(words.outer_iter()) {
+                let left = left_over(&factor, &row.to_vec(), &words.to_vec(), &fractions);
+                assert!(left.iter().all(|e| e.abs() <= 1.0 + 1e-9), "seed {seed}: {left:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn words_are_held_to_their_width_and_ties_go_up() {
+        let matrix = ndarray::array![[0.5, -0.5, 126.5, 127.5, -128.5, -129.5]];
+        let words = round(&factor(Array2::eye(6)), &matrix, &[0; 6], 8);
+        assert_eq!(words, ndarray::array![[1, 0, 127, 127, -128, -128]]);
+        let wide = round(&factor(Array2::eye(2)), &ndarray::array![[40000.0, -40000.0]], &[0; 2], 16);
+        assert_eq!(wide, ndarray::array![[32767, -32768]]);
+    }
+
+    #[test]
+    fn an_error_is_passed_on_to_the_columns_before_by_its_factor() {
+        // L = [[2, 0], [1, 1]]: 0.4 left of the last column pulls the first by 0.4/2.
+        let factor = Cholesky::of_moments(ndarray::array![[4.0, 2.0], [2.0, 2.0]].view());
+        let words = |first: f64| round(&factor, &ndarray::array![[first, 0.4]], &[0; 2], 8);
+        assert_eq!(words(0.31), ndarray::array![[1, 0]]);
+        assert_eq!(words(0.29), ndarray::array![[0, 0]]);
+    }
+
+    #[test]
+    fn a_factor_is_that_of_the_moments_lifted_by_a_share_of_their_mean() {
+        let moments = some_moments(5, 7);
+        let lift = 1e-4 * moments.diag().sum() / 5.0;
+        let l = factor(moments.clone()).lower().clone();
+        assert_near(&l.dot(&l.t()), &(moments + lift * Array2::<f64>::eye(5)));
+        assert_near(factor(Array2::zeros((3, 3))).lower(), &Array2::eye(3));
+    }
+
+    fn assert_near(found: &Array2<f64>, expected: &Array2<f64>) {
+        assert_eq!(found.dim(), expected.dim());
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= 1e-9 * (1.0 + b.abs())));
+    }
+
+    fn lifted(moments: &Array2<f64>) -> Array2<f64> {
+        let n = moments.nrows();
+        moments + 1e-4 * moments.diag().sum() / n as f64 * Array2::<f64>::eye(n)
+    }
+
+    fn form(tied: bool) -> Form {
+        Form {
+            window: edof_image::Window::new(8).unwrap(),
+            codes: 2,
+            layers: 4,
+            shrinkage: edof_network::network::Shrinkage::OneSided,
+            recurrence: edof_network::network::Recurrence::Direct,
+            linear_path: true,
+            tied,
+        }
+    }
+
+    #[test]
+    fn each_matrix_has_the_moments_of_what_it_multiplies_in_scaled_codes() {
+        let mut seen = Calibration::new(&form(false));
+        seen.sent = vec![some_moments(2, 1), some_moments(2, 2)];
+        seen.outputs = some_moments(66, 3);
+        let scales = [2.0, 3.0];
+        let scaled = |m: &Array2<f64>| ndarray::array![[4.0, 6.0], [6.0, 9.0]] * m;
+        let moments = |factor: &Cholesky| factor.lower().dot(&factor.lower().t());
+        let apart = Rounding::new(&seen, &scales, &form(false));
+        assert_eq!(apart.recurrent.len(), 2);
+        for (factor, sent) in apart.recurrent.iter().zip(&seen.sent) {
+            assert_near(&moments(factor), &lifted(&scaled(sent)));
+        }
+        let tied = Rounding::new(&seen, &scales, &form(true));
+        assert_eq!(tied.recurrent.len(), 1);
+        assert_near(&moments(&tied.recurrent[0]), &lifted(&scaled(&(&seen.sent[0] + &seen.sent[1]))));
+        assert_near(&moments(&apart.analysis), &lifted(&seen.outputs.slice(s![2.., 2..]).to_owned()));
+        let scale = |i: usize| if i < 2 { scales[i] } else { 1.0 };
+        let all = Array2::from_shape_fn((66, 66), |(i, j)| seen.outputs[(i, j)] * scale(i) * scale(j));
+        assert_near(&moments(&apart.outputs), &lifted(&all));
+        assert_near(&moments(&apart.last), &lifted(&all).slice(s![..2, ..2]).to_owned());
+    }
+
+    #[test]
+    fn every_matrix_of_a_layout_comes_with_a_factor_as_wide_as_it_is() {
+        let form = form(false);
+        let layout = Layout::giving(&form, 128);
+        let rounding = Rounding::new(&Calibration::new(&form), &[1.0; 2], &form);
+        let found = rounding.factors(&layout);
+        let found: Vec<_> =
+            found.iter().map(|(range, factor)| (range.clone(), factor.lower().nrows())).collect();
+        let expected = [
+            (layout.analysis, 64),
+            (layout.recurrent[0].clone(), 2),
+            (layout.recurrent[1].clone(), 2),
+            (layout.dictionary, 2),
+            (layout.linear_path, 64),
+        ];
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn the_last_layers_matrices_are_rounded_together_each_in_its_own_format() {
+        let mut seen = Calibration::new(&form(false));
+        seen.outputs = some_moments(66, 5);
+        seen.sent = vec![some_moments(2, 1), some_moments(2, 2)];
+        let rounding = Rounding::new(&seen, &[1.0, 2.0], &form(false));
+        let mut draw = Draw::new(6);
+        let mut matrix =
+            |columns| Array2::from_shape_fn((128, columns), |_| draw.whole(-1000, 1000) as f64 * 1e-3);
+        let (d, r, s) = (matrix(2), matrix(64), matrix(2));
+        let (d_words, r_words) = rounding.outputs((&d, 5), Some((&r, 7)), 12);
+        let r_words = r_words.unwrap();
+        let fractions = [vec![5; 2], vec![7; 64]].concat();
+        for row in 0..128 {
+            let of = |a: &Array2<f64>, b: &Array2<f64>| [a.row(row).to_vec(), b.row(row).to_vec()].concat();
+            let words = [d_words.row(row).to_vec(), r_words.row(row).to_vec()].concat();
+            let left = left_over(&rounding.outputs, &of(&d, &r), &words, &fractions);
+            assert!(left.iter().all(|e| e.abs() <= 1.0 + 1e-9));
+        }
+        assert_eq!(rounding.outputs((&d, 5), None, 12), (round(&rounding.last, &d, &[5; 2], 12), None));
+        assert_eq!(rounding.analysis(&r, 6, 12), round(&rounding.analysis, &r, &[6; 64], 12));
+        assert_eq!(rounding.recurrent(1, &s, 6, 12), round(&rounding.recurrent[1], &s, &[6; 2], 12));
+    }
 }

@@ -224,4 +224,59 @@ mod tests {
             assert!((value - colour).abs() < 1e-5);
         }
     }
+
+    #[test]
+    fn codes_are_rounded_in_the_formats_of_the_words() {
+        let mut fixed = edof_random::extreme(form(4, [true; 4]), 12, Stride::PATCH, false, 1);
+        fixed.code_fractions = vec![3, 5, 4];
+        let formats = code_formats(&fixed);
+        assert_eq!(formats.iter().map(|f| f.step).collect::<Vec<_>>(), [0.125, 0.031_25, 0.0625]);
+        assert!(formats.iter().all(|f| f.max == 2047.0));
+    }
+
+    #[test]
+    fn chroma_lies_between_its_sites_and_gain_and_weight_are_undone() {
+        let mut draw = Draw::new(2);
+        let weights: Vec<f64> = (0..128).map(|_| draw.whole(50, 200) as f64 * 0.01).collect();
+        let outputs: Vec<f64> = (0..128).map(|_| draw.whole(-100, 100) as f64 * 0.01).collect();
+        let value = |output: usize| outputs[output] / weights[output];
+        let map = rgb_map(&weights);
+        assert_eq!(map.len(), 192 * 128);
+        for (row, column) in (0..8).flat_map(|row| (0..8).map(move |column| (row, column))) {
+            let chroma = |first: usize| {
+                let at = |site: usize| value(first + 4 * row + site.min(3));
+                0.5 * (at(column / 2) + at(column.div_ceil(2)))
+            };
+            let expected = rgb_from_ycbcr(value(8 * row + column), chroma(64), chroma(96));
+            for (plane, expected) in expected.into_iter().enumerate() {
+                let line = &map[(64 * plane + 8 * row + column) * 128..][..128];
+                let found: f64 = line.iter().zip(&outputs).map(|(m, o)| f64::from(*m) * o).sum();
+                assert!((found - expected).abs() < 1e-5, "{row} {column}: {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn windows_side_by_side_are_as_single_ones_and_errors_are_squares_of_what_is_off() {
+        let form = form(3, [true, false, true, false]);
+        let mut draw = Draw::new(3);
+        let mut noise =
+            |length: usize| (0..length).map(|_| draw.whole(-1000, 1000) as f32 * 2e-4).collect::<Vec<f32>>();
+        let weights = noise(Layout::giving(&form, OUTPUTS_422).len());
+        let (y, x) = (noise(2 * 64), noise(2 * 192));
+        let to_rgb = rgb_map(&[0.5; 128]);
+        let mut pass = Simulated::new(form, &[Format::EXACT; 2], &to_rgb, 3);
+        let both = pass.forward(&weights, &y, 2).to_vec();
+        assert_eq!(both.len(), 2 * 192);
+        let single: Vec<f32> = y.chunks(64).flat_map(|y| pass.forward(&weights, y, 1).to_vec()).collect();
+        assert!(both.iter().zip(&single).all(|(a, b)| (a - b).abs() < 1e-5));
+        let examples = Examples { inputs: &y, targets: &x, tones: &[Tone::Linear; 2], importance: &[1.0; 2] };
+        let mut errors = [0.0; 2];
+        pass.gradient(&weights, &examples, &mut errors, &mut vec![0.0; weights.len()]);
+        for (w, error) in errors.iter().enumerate() {
+            let pairs = both[192 * w..].iter().zip(&x[192 * w..]).take(192);
+            let expected: f32 = pairs.map(|(o, x)| (o - x).powi(2)).sum();
+            assert!((error - expected).abs() < 1e-4 * expected, "{error} {expected}");
+        }
+    }
 }

@@ -160,4 +160,131 @@ mod tests {
         assert_eq!(bits, [16, 11]);
         assert!((lost - 0.02).abs() < 1e-9);
     }
+
+    fn small(layers: usize, tied: bool) -> FixedNetwork {
+        let form = edof_network::network::Form {
+            window: edof_image::Window::new(8).unwrap(),
+            codes: 2,
+            layers,
+            shrinkage: edof_network::network::Shrinkage::OneSided,
+            recurrence: edof_network::network::Recurrence::Direct,
+            linear_path: true,
+            tied,
+        };
+        edof_random::extreme(form, 8, edof_image::Stride::PATCH, false, 2)
+    }
+
+    #[test]
+    fn bits_are_left_out_to_the_nearest_with_ties_up_and_within_the_range() {
+        let cases = [(5, 1, 3), (-5, 1, -2), (7, 0, 7), (6, 2, 2), (5, 2, 1), (-6, 2, -1), (-7, 2, -2)];
+        for (word, k, expected) in cases {
+            assert_eq!(shifted(word, k), expected, "{word} {k}");
+        }
+        assert_eq!(shifted(i16::MAX, 15), 1);
+        let mut matrix = FixedMatrix { weights: ndarray::array![[127, -128, 5, -7, 121, 3]], fraction: 4 };
+        coarsen(&mut matrix, 2, 8);
+        assert_eq!(matrix.weights, ndarray::array![[124, -128, 4, -8, 120, 4]]);
+        assert_eq!(matrix.fraction, 4);
+    }
+
+    #[test]
+    fn every_stage_has_its_own_bits_and_a_shared_matrix_the_most() {
+        let fixed = small(5, false);
+        let coarse = |m: &FixedMatrix, k| {
+            let mut m = m.clone();
+            coarsen(&mut m, k, 8);
+            m
+        };
+        let found = with_stage_bits(&fixed, &[8, 7, 6, 5, 6]).unwrap();
+        assert_eq!(found.analysis, fixed.analysis);
+        for (i, k) in [1, 2, 3].into_iter().enumerate() {
+            assert_eq!(found.recurrent[i], coarse(&fixed.recurrent[i], k));
+        }
+        assert_eq!(found.dictionary, coarse(&fixed.dictionary, 2));
+        assert_eq!(found.linear_path, fixed.linear_path.as_ref().map(|r| coarse(r, 2)));
+        for (t, k) in [0, 1, 2, 3].into_iter().enumerate() {
+            assert_eq!(found.code_fractions[t], fixed.code_fractions[t] - k);
+            assert_eq!(found.thresholds[t], fixed.thresholds[t].mapv(|w| shifted(w, k)));
+        }
+        let tied = small(5, true);
+        let found = with_stage_bits(&tied, &[5, 6, 7, 5, 8]).unwrap();
+        assert_eq!(found.recurrent, [coarse(&tied.recurrent[0], 1)]);
+        assert_eq!(found.analysis, coarse(&tied.analysis, 3));
+        assert_eq!(found.dictionary, tied.dictionary);
+    }
+
+    #[test]
+    fn codes_without_fraction_bits_have_none_to_leave_out() {
+        let mut fixed = small(2, false);
+        fixed.code_fractions = vec![2];
+        let found = with_stage_bits(&fixed, &[5, 8]).unwrap();
+        assert_eq!(found.code_fractions, [0]);
+        assert_eq!(found.thresholds[0], fixed.thresholds[0].mapv(|w| shifted(w, 2)));
+        let refused = |bits: &[u32]| with_stage_bits(&fixed, bits).unwrap_err().to_string();
+        assert_eq!(
+            refused(&[4, 8]),
+            "bits [4, 8]: must be 2 of them, one a stage, from 5 to the network's 8"
+        );
+        assert!(refused(&[8, 9]).starts_with("bits [8, 9]"));
+        assert!(refused(&[8]).starts_with("bits [8]"));
+    }
+
+    #[test]
+    fn a_linear_path_gives_up_fraction_bits_until_sums_fit_and_no_more() {
+        let mut fixed = small(2, false);
+        fixed.code_fractions = vec![10];
+        fixed.dictionary.fraction = 5;
+        let r = fixed.linear_path.as_mut().unwrap();
+        (r.fraction, r.weights) = (40, r.weights.mapv(|_| 101));
+        let found = checked(fixed.clone()).unwrap();
+        let taken = 40 - found.linear_path.as_ref().unwrap().fraction;
+        let halved = |times: u32| (0..times).fold(101, |word, _| shifted(word, 1));
+        assert!(taken > 0 && found.linear_path.as_ref().unwrap().weights.iter().all(|w| *w == halved(taken)));
+        let mut before = fixed.clone();
+        let r = before.linear_path.as_mut().unwrap();
+        (r.fraction, r.weights) = (40 - (taken - 1), r.weights.mapv(|_| halved(taken - 1)));
+        assert!(matches!(before.check(), Err(FixedNetworkError::Overflow { what: "F", .. })));
+        assert_eq!(FixedNetwork { linear_path: fixed.linear_path.clone(), ..found }, fixed);
+        // Here D is the finer one, and nothing that R could give up helps.
+        fixed.code_fractions = vec![12];
+        fixed.dictionary.fraction = 48;
+        fixed.linear_path.as_mut().unwrap().fraction = 0;
+        assert!(matches!(
+            checked(fixed),
+            Err(StageBitsError::Network(FixedNetworkError::Overflow { what: "F", .. }))
+        ));
+    }
+
+    #[test]
+    fn the_mean_is_over_scenes_in_their_tone() {
+        let sharp = [0.25, 0.75].map(|v| ColourFrame { planes: ndarray::Array3::from_elem((3, 16, 16), v) });
+        let raw = edof_image::RawFrame::from_values(
+            ndarray::Array2::from_elem((16, 16), 1000),
+            12,
+            edof_image::CfaPhase::Rggb,
+        );
+        let raw = raw.unwrap();
+        let scene = |sharp, tone| Scene { name: String::new(), raw: raw.clone(), sharp, tone };
+        let scenes = [scene(&sharp[0], edof_image::Tone::Linear), scene(&sharp[1], edof_image::Tone::Srgb)];
+        let network = edof_random::natural(8, 8, 1);
+        let of = |picture: &ColourFrame| f64::from(picture.planes.mean().unwrap());
+        let psnr = |sharp: &ColourFrame, other: &ColourFrame| 8.0 * of(sharp) + of(other);
+        let light = Golden::new(network.clone()).unwrap().frame(&raw).unwrap().colour();
+        let expected = 0.5 * (2.0 + of(&light) + 6.0 + of(&edof_image::Tone::Srgb.encoded(&light)));
+        let found = mean_db(network.clone(), &scenes, psnr).unwrap();
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        assert_eq!(mean_db(network, &[], psnr), Ok(0.0));
+    }
+
+    #[test]
+    fn equal_losses_fall_on_the_first_stage_and_never_below_the_fewest_bits() {
+        let db =
+            |bits: &[u32]| Ok::<f64, ()>(30.0 - bits.iter().map(|b| 0.25 * f64::from(8 - b)).sum::<f64>());
+        assert_eq!(fewest(8, 2, 0.25, db), Ok((vec![7, 8], 0.25)));
+        assert_eq!(fewest(8, 2, 0.24, db), Ok((vec![8, 8], 0.0)));
+        assert_eq!(fewest(8, 2, 0.75, db), Ok((vec![5, 8], 0.75)));
+        assert_eq!(fewest(8, 2, 100.0, db), Ok((vec![MIN, MIN], 1.5)));
+        let broken = |bits: &[u32]| if bits == [8, 8] { Ok(30.0) } else { Err("broken") };
+        assert_eq!(fewest(8, 2, 1.0, broken), Err("broken"));
+    }
 }
