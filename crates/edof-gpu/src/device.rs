@@ -23,7 +23,7 @@ pub enum GpuError {
     )]
     NoDevice(String),
     /// A number that no device has.
-    #[error("device {wanted}: there are {found}, counted from 0")]
+    #[error("no device {wanted}: there are {found}, counted from 0")]
     NoSuchDevice { wanted: usize, found: usize },
     /// A call that the driver rejected.
     #[error("{device}: {what}: {reason}")]
