@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Compares words between circuit (in Verilator) and golden model for minutes: words.sh PART, one of the six parts below, each about 200 million words.
+# Compares words between circuit (in Verilator) and golden model for minutes: words.sh PART, one of the six parts below, each 110 to 200 million words.
 #
 # A part is a list of runs of `edof cosim`, each with a seed of its own, which sets the network of extreme weights where none is named, the random
 # windows, the contents that registers and memories start with, and the stalls. The first difference ends the part. The last line says how many
@@ -19,8 +19,8 @@ runs() {
 2 paper -                random:40000  14,15       0.2
 3 tiny  -                random:100000 21,22,23,24 0
 3 tiny  -                random:100000 25,26,27,28 0.2
-4 kc705 edof-t4w12-outer photos:01,02,04,05,07,08,10,11,13,14 31 0
-5 paper paper-t4         photos:01,02,04,05,07,08,10,11,13,14 41 0
+4 kc705 edof-t4w12-outer photos:01,02,03,04,05,06,07,08,09,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24 31 0
+5 paper paper-t4         photos:01,02,03,04,05,06,07,08,09,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24 41 0
 6 kc705 edof-t4w12       random:60000  51,52       0.1
 6 paper paper-t4         random:60000  53,54       0.1
 RUNS
