@@ -12,6 +12,9 @@ import time
 
 CRATE = pathlib.Path(__file__).parent.parent / "crates" / "edof-cosim"
 
+# Modules of a small circuit.
+SMALL = 25
+
 # Seconds after which a test with a mutant counts as failed: several times what the longest quick one takes.
 LIMIT = 400
 
@@ -70,14 +73,14 @@ class CircuitTests:
             return self.run(command, CRATE, said, limit)
 
     def of(self, file, seconds):
-        """The tests that simulate a module, the shortest first, as many as take so long together if each has to compile its model."""
+        """The tests that simulate a module, the shortest first: those of small circuits, and as many others as take so long together if each has to
+        compile its model."""
         rows = sorted((row["seconds"] + self.compiling(row["modules"]), name) for name, row in self.table.items() if module(file) in row["modules"])
         chosen = []
         for took, name in rows:
             seconds -= took
-            if seconds < 0:
-                break
-            chosen.append(name)
+            if seconds >= 0 or len(self.table[name]["modules"]) <= SMALL:
+                chosen.append(name)
         return chosen
 
     def sees(self, name, mutant, folder):

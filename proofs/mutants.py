@@ -92,11 +92,21 @@ def sites(text):
 
 
 class Mutant:
-    """A fault in one file, which changes the line `was`, the `place`th of its kind, to `line`."""
+    """A fault in one file, which changes the line `was`, the `place`th of its kind, to `line`. `site` is its number among all that the file may have."""
 
-    def __init__(self, name, file, text, what, was=None, place=None, line=None):
+    def __init__(self, name, file, text, what, was=None, place=None, line=None, site=None):
         self.name, self.file, self.text, self.what = name, file, text, what
-        self.was, self.place, self.line = was, place, line
+        self.was, self.place, self.line, self.site = was, place, line, site
+
+    def of_size(self, original, other):
+        """The same fault in the text that the module has for a frame of another size, which has other numbers and else the same lines."""
+        places, others = sites(original), sites(other)
+        if [row[:2] for row in places] != [row[:2] for row in others]:
+            sys.exit(f"mutants.py: {self.file} has other lines under sim/rtl than under rtl")
+        _, number, line = others[self.site]
+        lines = other.split("\n")
+        lines[number] = line
+        return "\n".join(lines)
 
 
 def run(command, folder, said, limit=None):
@@ -117,17 +127,20 @@ def bench_of(generated, mutant, bench, limit, out):
     """Whether a bench of the generated directory sees the mutant."""
     with tempfile.TemporaryDirectory(dir=out) as folder:
         folder = pathlib.Path(folder)
-        for part in ("mem", "sim"):
-            (folder / part).symlink_to(generated / part)
+        (folder / "mem").symlink_to(generated / "mem")
+        shutil.copytree(generated / "sim", folder / "sim", copy_function=os.symlink)
         (folder / "rtl").mkdir()
         files = (generated / "sim" / f"{bench}.f").read_text().split()
         for file in files:
-            if file.startswith("rtl/"):
-                text = mutant.text if file == f"rtl/{mutant.file}" else None
-                if text is None:
-                    (folder / file).symlink_to(generated / file)
-                else:
-                    (folder / file).write_text(text)
+            if file == f"rtl/{mutant.file}":
+                (folder / file).write_text(mutant.text)
+            elif file.startswith("rtl/"):
+                (folder / file).symlink_to(generated / file)
+            elif file == f"sim/rtl/{mutant.file}":
+                replaced = folder / file
+                text = mutant.of_size((generated / "rtl" / mutant.file).read_text(), replaced.read_text())
+                replaced.unlink()
+                replaced.write_text(text)
         with open(folder / "said", "w+") as said:
             command = ["iverilog", "-g2012", "-Wno-timescale", "-s", f"edof_{bench}", "-o", "bench", "-c", f"sim/{bench}.f"]
             if run(command, folder, said):
@@ -179,11 +192,11 @@ def proof_of(generated, mutant, task, out, patience):
         return how.startswith("FAIL")
 
 
-def changed(name, file, old, new, what):
+def changed(name, file, old, new, what, site=None):
     """The mutant that changes one line of a text."""
     before, after = old.split("\n"), new.split("\n")
     number = next(number for number, line in enumerate(before) if line != after[number])
-    return Mutant(name, file, new, what, before[number], before[:number].count(before[number]), after[number])
+    return Mutant(name, file, new, what, before[number], before[:number].count(before[number]), after[number], site)
 
 
 def curated(generated):
@@ -202,12 +215,12 @@ def drawn(generated, blocks, seed):
     places = []
     for file in sorted(blocks):
         text = (generated / "rtl" / file).read_text()
-        places += [(file, *site) for site in sites(text)]
+        places += [(file, site, *fault) for site, fault in enumerate(sites(text))]
     draw.shuffle(places)
-    for file, operator, number, line in places:
+    for file, site, operator, number, line in places:
         lines = (generated / "rtl" / file).read_text().split("\n")
         old, was, lines[number] = "\n".join(lines), lines[number], line
-        yield changed(f"{file}:{number + 1}:{operator}", file, old, "\n".join(lines), f"{was.strip()} -> {line.strip()}")
+        yield changed(f"{file}:{number + 1}:{operator}", file, old, "\n".join(lines), f"{was.strip()} -> {line.strip()}", site)
 
 
 class Judges:
@@ -236,9 +249,7 @@ class Judges:
             if module_ not in found:
                 found.add(module_)
                 left += [part for part in re.findall(r"^\s*(\w+) (?:#\(|\w+ \()", texts[module_], re.MULTILINE) if part in texts]
-        # What the benches of a frame of another size replace has another text there.
-        replaced = {path.name for path in (self.generated / "sim" / "rtl").glob("*.v")} if top != "chain" else set()
-        return {f"{name}.v" for name in found} - replaced
+        return {f"{name}.v" for name in found}
 
     def sees(self, name, mutant, folder=None):
         if "::" in name:

@@ -333,6 +333,18 @@ fn a_word_that_was_read_with_an_error_is_not_shown_and_what_is_made_of_it_is_hel
 }
 
 #[test]
+fn after_a_word_with_an_error_two_frames_are_held_back_and_no_more() {
+    let source = source();
+    let mut rig = Rig::new(&source, Behaviour { read_errors: [1, 0], ..Behaviour::hard(11) }, 11).unwrap();
+    for number in 1..200 {
+        rig.senders.iter_mut().for_each(|sender| sender.beats.extend(frame(number)));
+    }
+    rig.finish().unwrap();
+    let [errors, held] = ["read_errors_o", "broken_1_o"].map(|port| rig.count(port));
+    assert!(errors > 1 && errors < held && held <= 2 * errors, "{errors} errors, {held} held back");
+}
+
+#[test]
 fn a_reader_that_is_faster_repeats_and_one_that_waits_does_not() {
     let source = source();
     let mut rig = Rig::new(&source, Behaviour::ideal(), 6).unwrap();

@@ -11,7 +11,9 @@ use edof_device::design::memory::{Space, TABLES, address};
 use edof_device::design::reading::READ_REGISTER;
 use edof_device::pattern::{Pattern, TILE, TILE_SIDE};
 use edof_golden::video::pattern;
-use edof_hdl::board::{CalculatorPort, ClockWatch, CycleCount, PatternSource, PictureWindow};
+use edof_hdl::board::{
+    CalculatorPort, ClockWatch, CycleCount, I2cMaster, PatternSource, PictureWindow, UartReceiver,
+};
 use edof_hdl::video::table_reader::TableReader;
 use edof_image::draw::Draw;
 use edof_image::{RawFrame, Stride};
@@ -20,7 +22,7 @@ use ndarray::Array2;
 use rust_hdl::prelude::*;
 use std::collections::VecDeque;
 
-ported!(CycleCount, TableReader);
+ported!(CycleCount, I2cMaster, TableReader, UartReceiver);
 
 /// Two squares of the chart and a bit of a third, in both directions.
 const FRAME: FrameSize = FrameSize { width: 38, height: 34, stride: Stride::PATCH };
@@ -33,17 +35,59 @@ fn cycle_count() {
 }
 
 #[test]
+fn uart_receiver() {
+    // About a byte's levels, each as long as a bit or a cycle more or less, and short faults between them.
+    let (mut level, mut left) = (true, 0);
+    agree(UartReceiver::new(8), RESET as usize + 120, &[("byte", "valid")], |b, draw, last| {
+        b.reset.next = last.cycle < RESET || draw.whole(0, 900) == 0;
+        if left == 0 {
+            left = draw.whole(1, 4) * 8 + draw.whole(-1, 1);
+            level = !level;
+        }
+        left -= 1;
+        b.line.next = level != (draw.whole(0, 60) == 0);
+    });
+}
+
+#[test]
+fn i2c_master() {
+    let mut pulled = [0; 2];
+    // Before its first transfer nobody has set the value.
+    agree(I2cMaster::new(4), RESET as usize, &[("value", "done"), ("cause", "done")], |b, draw, last| {
+        b.reset.next = last.cycle < RESET || draw.whole(0, 900) == 0;
+        // Lines are left alone between transfers.
+        assert!(last.is("busy") || !last.is("scl_low") && !last.is("sda_low"), "a line is held");
+        if !last.is("busy") {
+            b.start.next = bit(draw);
+            b.read.next = bit(draw);
+            b.bare.next = bit(draw);
+            b.device.next = word(draw);
+            b.register.next = word(draw);
+            b.write_value.next = word(draw);
+        }
+        // A chip or another master pulls a line down for a while, data for whole bits where acknowledgements are.
+        for (held, rare) in pulled.iter_mut().zip([300, 20]) {
+            *held = if *held > 0 { *held - 1 } else { draw.whole(0, rare) / rare * draw.whole(4, 40) };
+        }
+        b.scl.next = !last.is("scl_low") && pulled[0] == 0;
+        b.sda.next = !last.is("sda_low") && pulled[1] == 0;
+    });
+}
+
+#[test]
 fn table_reader() {
     // From the first row of weights on all is known.
     agree(TableReader::new(), RESET as usize + 300, &[], |b, draw, last| {
-        b.reset.next = last.cycle < RESET || draw.whole(0, 900) == 0;
         b.host_write.next = draw.whole(0, 3) == 0;
         b.host_select.next = word(draw);
         b.host_address.next = word(draw);
         b.host_data.next = word(draw);
         b.table_word.next = word(draw);
         let is_first = last.cycle == RESET + 2;
-        b.write_valid.next = is_first || last.cycle > RESET && draw.whole(0, 40) == 0;
+        let is_command = last.cycle > RESET + 2 && draw.whole(0, 40) == 0;
+        b.write_valid.next = is_first || is_command;
+        // Now and then with a command.
+        b.reset.next = last.cycle < RESET || draw.whole(0, 900) == 0 || is_command && draw.whole(0, 9) == 0;
         let command = address(TABLES, Space::Register { row: READ_REGISTER });
         // Most are commands; of the others each has one bit of another address.
         let other = if is_first || bit(draw) { 0 } else { 1 << draw.whole(0, 24) };
@@ -212,8 +256,20 @@ fn the_hosts_window_keeps_the_pixels_right_of_and_below_its_corner() {
             }
             model.tick().unwrap();
         }
-        model.poke(port("valid_i"), 0).unwrap();
-        (0..4).for_each(|_| model.tick().unwrap());
+        // Of a frame that comes in a reset nothing is kept.
+        model.poke(port("data_i"), 0).unwrap();
+        for (name, value) in [
+            ("valid_i", 0),
+            ("reset_i", 1),
+            ("user_i", 1),
+            ("valid_i", 1),
+            ("user_i", 0),
+            ("valid_i", 0),
+            ("reset_i", 0),
+        ] {
+            model.poke(port(name), value).unwrap();
+            (0..4).for_each(|_| model.tick().unwrap());
+        }
         for ((y, x), &code) in codes.indexed_iter() {
             let (Some(y), Some(x)) = (y.checked_sub(row as usize), x.checked_sub(column as usize)) else {
                 continue;
@@ -357,7 +413,7 @@ impl Actor for Host {
     }
 }
 
-/// The calculator: notes what is written, and shows a word two cycles after its address.
+/// The calculator: notes what is written, and shows a word as late after its address as the port allows.
 struct Calculator {
     clock: ClockId,
     source: Source,
@@ -382,7 +438,7 @@ impl Actor for Calculator {
     }
 
     fn after(&mut self, model: &mut Model) -> Result<(), Error> {
-        let address = if self.addresses.len() > 1 { self.addresses.pop_front() } else { None };
+        let address = if self.addresses.len() > 3 { self.addresses.pop_front() } else { None };
         model.poke(self.source.port("status_i")?, address.map_or(0, shown))
     }
 }

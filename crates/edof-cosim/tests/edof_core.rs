@@ -12,8 +12,8 @@ use edof_device::Design;
 use edof_device::design::FrameSize;
 use edof_device::design::memory::{self, Set, Shifts, Space, TABLES};
 use edof_device::design::reading::{
-    READ_BACK, READ_REGISTER, ReadBack, TABLE_ROWS, crc, read_back_address, read_command, table_bank,
-    table_rows,
+    CHECK_FRAME_REGISTER, READ_BACK, READ_REGISTER, ReadBack, TABLE_ROWS, crc, read_back_address,
+    read_command, table_bank, table_rows,
 };
 use edof_device::registers::map::{self, DISPLAY_TABLES, STAGE_COUNTERS, STAGE_READS, WEIGHTS};
 use edof_device::video::VideoTiming;
@@ -216,7 +216,11 @@ fn whatever_happens_no_picture_is_torn_and_the_right_counter_counts() {
     // The cable, pulled in the middle of a frame.
     rig.steps(draw.whole(1, 10_000) as usize).unwrap();
     rig.camera.connected = false;
-    rig.steps(40_000).unwrap();
+    let is_noticed = (0..20).any(|_| {
+        rig.steps(10_000).unwrap();
+        rig.register("status").unwrap() & 0b10 == 0
+    });
+    assert!(is_noticed, "a cable that is not there");
     rig.camera.connected = true;
     recovers(&mut rig, "cable");
 
@@ -270,6 +274,14 @@ fn whatever_happens_no_picture_is_torn_and_the_right_counter_counts() {
     rig.send(1).unwrap();
     recovers(&mut rig, "size");
 
+    // Each bit of what the host sees is that of its line.
+    let status = rig.register("status").unwrap();
+    for (line, level, bit) in [("i2c_done_i", 0, 1 << 4), ("i2c_failed_i", 1, 1 << 5)] {
+        rig.bench.set(line, level).unwrap();
+        assert_eq!(rig.register("status").unwrap(), status ^ bit, "{line}");
+        rig.bench.set(line, 1 - level).unwrap();
+    }
+
     // The memory is lost in the middle of bursts, and comes back.
     rig.bench.set("dram_ready_i", 0).unwrap();
     rig.steps(5_000).unwrap();
@@ -288,12 +300,17 @@ fn whatever_happens_no_picture_is_torn_and_the_right_counter_counts() {
     }
 }
 
-/// What stage 1 reads back of a register, as the host sees it.
+/// What stage 1 reads back of its shifts, as the host sees them.
 fn shifts(rig: &mut Rig, set: usize) -> u32 {
-    let command = read_command(Space::Register { row: set }, 1);
-    let register = memory::address(1, Space::Register { row: READ_REGISTER });
+    stage_register(rig, 1, set)
+}
+
+/// What a stage reads back of a register.
+fn stage_register(rig: &mut Rig, stage: usize, row: usize) -> u32 {
+    let command = read_command(Space::Register { row }, 1);
+    let register = memory::address(stage, Space::Register { row: READ_REGISTER });
     rig.access(Access::Write(WEIGHTS.word(register), command)).unwrap();
-    let shown = |part| Access::Read(STAGE_READS.word(read_back_address(1, part) & !READ_BACK));
+    let shown = |part| Access::Read(STAGE_READS.word(read_back_address(stage, part) & !READ_BACK));
     while rig.access(shown(ReadBack::Busy)).unwrap() == 1 {}
     let word = rig.access(shown(ReadBack::Low)).unwrap();
     assert_eq!(rig.access(shown(ReadBack::Crc)).unwrap(), crc([word.into()]));
@@ -329,6 +346,15 @@ fn a_flush_and_a_reset_drop_the_frame_under_way_and_nothing_that_was_written() {
     let count = |stage: usize, counter| Access::Read(STAGE_COUNTERS.word(status_address(stage, counter)));
     assert!(rig.access(count(1, 0)).unwrap() > 0);
     assert_eq!([0, 1].map(|kind| rig.access(count(memory::WHOLE_CHAIN, kind)).unwrap()), [0; 2]);
+    // Each stage has checked as many frames as came to it: all that were cut into windows, less those that are on their way.
+    let cut = rig.register("check_frames").unwrap() >> 8 & 0xff;
+    for stage in 0..setup.design.stages().count() {
+        let checked = stage_register(&mut rig, stage, CHECK_FRAME_REGISTER);
+        assert!(
+            checked > 0 && (cut.saturating_sub(3)..=cut).contains(&checked),
+            "{stage}: {checked}, {cut} cut"
+        );
+    }
     assert_eq!(rig.register("status").unwrap() >> 7 & 1, 0);
     // After a reset too; and the bank in use stays in use, whichever it is.
     for (set, control) in [(map::WEIGHT_SET, 0b111), (0, 0b011)] {
@@ -423,7 +449,12 @@ fn the_figures_stated_ahead_are_those_of_the_run() {
         let mut rig = Rig::start(&setup.compiled, &begin, sent).unwrap();
         rig.send(2).unwrap();
         let since = rig.moment().unwrap();
+        let counts = |rig: &mut Rig| ["patches", "busy_cycles"].map(|name| rig.register(name).unwrap());
+        let (begun, [patches, busy]) = (rig.bench.time_ps(), counts(&mut rig));
         rig.send(12).unwrap();
+        let [patches, busy] = [counts(&mut rig)[0] - patches, counts(&mut rig)[1] - busy].map(u64::from);
+        let elapsed = (rig.bench.time_ps() - begun) / periods.calculator;
+        assert!(patches < busy && busy < elapsed, "{patches} patches, {busy} of {elapsed} cycles");
         let shown = setup.shown(&rig, &pictures);
         let found = rig.measured(&since, &begin, &shown).unwrap();
         let ahead = figures(setup.design.frame, cycles, periods);
