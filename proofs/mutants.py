@@ -267,7 +267,7 @@ class Judges:
     def names(self, file):
         """Who judges the mutants of a file, the quickest first."""
         in_chain, in_core = (file in self.in_bench[bench] for bench in ("bench", "core_bench"))
-        quick = (["bench"] if in_chain else []) + self.circuits.of(file, 300 * self.patience) + self.of_file[file]
+        quick = (["bench"] if in_chain else []) + self.circuits.of(file, 600 * self.patience) + self.of_file[file]
         return quick + (["cosim"] if in_chain else []) + (["core_bench"] if self.core and in_core else [])
 
     def verdict(self, mutant):

@@ -21,6 +21,7 @@ use edof_golden::cycle::{Cycle, Patch, Summary};
 use edof_golden::video::figures::{CoreCycles, Periods, figures};
 use edof_golden::video::video_out::BLACK_PIXEL;
 use edof_golden::{Curve, Display, Golden, windows};
+use edof_hdl::project::Project;
 use edof_image::draw::Draw;
 use edof_image::{DisplayMode, Geometry, RawFrame, Stride, Window};
 use edof_network::FixedNetwork;
@@ -42,9 +43,14 @@ pub struct Setup {
 
 impl Setup {
     pub fn new(design: Design) -> Self {
+        Self::changed(design, |project| project)
+    }
+
+    /// With another text.
+    pub fn changed(design: Design, change: impl FnOnce(Project) -> Project) -> Self {
         let sets = networks(&design, 7);
         let display = Display::new(DisplayMode::Colour, Curve::Srgb);
-        let project = system::project(&design, [&sets[0], &sets[1]], &display).unwrap();
+        let project = change(system::project(&design, [&sets[0], &sets[1]], &display).unwrap());
         let compiled = Compiled::new(&project, &support::options()).unwrap();
         Self { design, sets, compiled }
     }

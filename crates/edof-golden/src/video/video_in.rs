@@ -186,7 +186,7 @@ impl VideoIn {
             self.known = false;
             (self.measured.present, self.measured.fits) = (false, false);
         }
-        self.waited = if changed { 0 } else { (self.waited + 1).min(self.patience) };
+        self.waited = if changed { 0 } else { self.waited.saturating_add(1).min(self.patience) };
         if !changed || ended.between {
             return;
         }
