@@ -55,7 +55,7 @@ fn words_at_the_cores_ports_stand_in_their_registers_and_those_of_registers_at_i
         assert_eq!(rig.bench.get(port).unwrap(), u64::from(word), "{port} of {name}");
     }
     for restart in [1, 0] {
-        rig.access(Access::Write(map::CONTROL, map::RUN | map::I2C_RESTART * restart)).unwrap();
+        rig.access(Access::Write(map::CONTROL, map::RUN | (map::I2C_RESTART * restart))).unwrap();
         assert_eq!(rig.bench.get("i2c_restart_o").unwrap(), u64::from(restart));
     }
     assert_eq!(rig.bench.get("status_o").unwrap(), u64::from(rig.register("status").unwrap() & 0xff));
