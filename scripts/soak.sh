@@ -18,7 +18,7 @@ parts() {
 simulated-board tests circuits simulated_board::
 faulty-boards   tests circuits faulty_boards::
 pins            tests circuits pins:: cables:: top:: stream_core:: planted_faults::
-verilog-frames  tests circuits checking::a_hundred_frames_are_exact_in_verilog checking::a_hundred_frames_of_a_photograph_are_exact_in_verilog
+verilog-frames  tests circuits checking::a_hundred_frames_are_exact_in_verilog checking::a_hundred_frames_of_a_photograph_are_exact_in_verilog checking::a_tile_comes_back_in_verilog
 icarus-frames   tests circuits checking::a_hundred_frames_are_exact_in_icarus checking::a_hundred_frames_of_a_photograph_are_exact_in_icarus
 full-frame      tests circuits full_frame::
 chains          tests circuits chain:: edof_core::

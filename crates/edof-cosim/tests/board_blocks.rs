@@ -79,7 +79,7 @@ fn table_reader() {
     read_tables(500, false);
 }
 
-/// A command in one of so many cycles; with faults some have another address, or come in a reset.
+/// A command in one of `pause` cycles on average; with faults some have another address, or come in a reset.
 fn read_tables(pause: i64, with_faults: bool) {
     // From the first row of weights on all is known.
     agree(TableReader::new(), RESET as usize + 300, &[], |b, draw, last| {

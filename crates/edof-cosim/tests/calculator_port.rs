@@ -136,7 +136,7 @@ fn an_access_of_the_calculator_is_carried_out_once_or_fails_where_its_clock_stan
                 && calculator.written.len() <= writes(&host).len() + 1
         );
         assert_eq!(host.errors, 0);
-        // It is reset in the middle of accesses: these fail, and no answer of before is taken for one of the next.
+        // The calculator is reset in the middle of accesses: these fail, and no earlier answer is taken for one of the next.
         for _ in 0..20 {
             bench.steps(host.draw.whole(1, 300) as usize, &mut [&mut host, &mut calculator]).unwrap();
             for level in [1, 0] {

@@ -5,11 +5,14 @@ use crate::planted_faults::replaced;
 use edof_cosim::bench::axi_lite::Access;
 use edof_cosim::system::{Rig, RigConfig, drawn};
 use edof_device::design::memory;
-use edof_device::registers::map::{self, WEIGHTS};
+use edof_device::pattern::{TILE, TILE_SIDE};
+use edof_device::registers::map::{self, PICTURE_PIXELS, TILE_PIXELS, WEIGHTS};
+use edof_golden::video::pattern;
 use edof_golden::{Curve, Display, Golden};
 use edof_image::DisplayMode;
 use edof_image::cable::carried;
 use edof_image::draw::Draw;
+use ndarray::Array2;
 
 /// A register without fields is the whole word, else the bits of its fields.
 fn mask(name: &str) -> u32 {
@@ -22,7 +25,7 @@ fn mask(name: &str) -> u32 {
 
 #[test]
 fn words_at_the_cores_ports_stand_in_their_registers_and_those_of_registers_at_its_ports() {
-    let setup = Setup::new(design(8, 8, (16, 16)));
+    let setup = Setup::new(design(8, 8, (32, 24)));
     let mut rig = setup.start(&drawn(setup.design.frame, 2, 1).unwrap(), 1);
     let draw = &mut Draw::new(1);
     let ports = [
@@ -90,7 +93,7 @@ fn counts_of_a_frame_are_the_models_with_either_bank() {
         rig.access(Access::Write(WEIGHTS.word(memory::SNAPSHOT), 0)).unwrap();
         let shown = ["check_raw", "check_windows", "check_codes", "check_sent"];
         assert_eq!(shown.map(|name| rig.register(name).unwrap()), checks);
-        // Whole frames, but for one at each end of which a part was counted.
+        // Whole frames, and a part of one at each end.
         for (at, name) in names.into_iter().enumerate() {
             let [found, of_one] = [after[at] - before[at], expected[at]];
             assert!((5 * of_one..=7 * of_one).contains(&found), "{name}: {found} in six frames of {of_one}");
@@ -100,6 +103,40 @@ fn counts_of_a_frame_are_the_models_with_either_bank() {
     rig.reset().unwrap();
     assert_eq!(rig.register("status").unwrap() >> 6 & 1, 0);
     assert_eq!(rig.register("patches").unwrap(), 0);
+}
+
+/// A tile that the host writes is the raw frame, and the host reads its codes at any corner of the picture.
+#[test]
+fn a_tile_goes_in_at_the_hosts_port_and_its_codes_come_out() {
+    let setup = Setup::new(design(8, 8, (32, 24)));
+    let (height, width) = (setup.design.frame.height, setup.design.frame.width);
+    let mut rig = setup.start(&drawn(setup.design.frame, 2, 1).unwrap(), 1);
+    let draw = &mut Draw::new(9);
+    let tile = Array2::from_shape_simple_fn((TILE_SIDE, TILE_SIDE), || draw.bits() as u16);
+    for (row, column) in (0..height).flat_map(|row| (0..width).map(move |column| (row, column))) {
+        let address = TILE_PIXELS.word((row * TILE_SIDE + column) as u32);
+        rig.access(Access::Write(address, tile[(row, column)].into())).unwrap();
+    }
+    rig.access(Access::Write(map::PATTERN, TILE)).unwrap();
+    let frame = pattern::tiled(&tile, setup.design.frame).unwrap();
+    let (golden, display) = (Golden::new(setup.sets[0].clone()).unwrap(), Display::default());
+    let bytes = golden.frame(&frame).unwrap().picture(&display).0.yuyv();
+    for (row, column) in [(0, 0), (height - 5, width - 6)] {
+        rig.access(Access::Write(map::PICTURE_CORNER, (row << 16 | column) as u32)).unwrap();
+        let before = rig.register("picture_frames").unwrap();
+        while rig.register("picture_frames").unwrap() < before + 4 {
+            rig.steps(10_000).unwrap();
+        }
+        for (r, c) in (row..height).flat_map(|r| (column..width).map(move |c| (r, c))) {
+            let at = 2 * (r * width + c);
+            let address = PICTURE_PIXELS.word(((r - row) * TILE_SIDE + c - column) as u32);
+            let code = u16::from_le_bytes([bytes[at], bytes[at + 1]]);
+            assert_eq!(rig.access(Access::Read(address)).unwrap(), u32::from(code), "row {r}, column {c}");
+        }
+    }
+    let raw = golden.checks(&display, &frame).unwrap().raw;
+    rig.access(Access::Write(WEIGHTS.word(memory::SNAPSHOT), 0)).unwrap();
+    assert_eq!(rig.register("check_raw").unwrap(), raw);
 }
 
 #[test]
