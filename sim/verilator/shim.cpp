@@ -8,6 +8,7 @@
 #if VM_COVERAGE
 #include "verilated_cov.h"
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <unistd.h>
 #endif
@@ -131,13 +132,16 @@ template <class F> static int guarded(Model* model, F body) {
 }
 
 #if VM_COVERAGE
-// What the instance has covered, in a file of its own in the folder $EDOF_COVERAGE: process, library and instance name it.
+// What the instance has covered, in a file of its own in the folder $EDOF_COVERAGE: process, moment, library and instance name it. A library may
+// lie where another one lay before.
 static void write_coverage(const Model& model) {
     static std::atomic<unsigned> written{0};
     const char* folder = std::getenv("EDOF_COVERAGE");
     if (!folder) return;
     const auto library = reinterpret_cast<uintptr_t>(&written);
-    const std::string name = std::to_string(getpid()) + "-" + std::to_string(library) + "-" + std::to_string(written++);
+    const auto moment = std::chrono::steady_clock::now().time_since_epoch().count();
+    std::string name = std::to_string(getpid());
+    for (const auto part : {uint64_t(moment), uint64_t(library), uint64_t(written++)}) name += "-" + std::to_string(part);
     model.context->coveragep()->write((std::string{folder} + "/" + name + ".dat").c_str());
 }
 #else
