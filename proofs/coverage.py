@@ -1,21 +1,35 @@
 #!/usr/bin/env python3
 """What simulations covered of each Verilog module: coverage.py FOLDER adds up what instances wrote there, and prints a table in Markdown.
 
-A line or branch is covered if it ran in any instance of the module, a bit if it rose or fell in one. proofs/coverage.json says of a module how many
+A line or branch is covered if it ran in any instance of the module, a bit if it rose or fell in one. A block of other sizes has other numbers in
+its lines, and may have them elsewhere: lines are the same if all else in them is, and as many such lines stand before them. proofs/coverage.json says of a module how many
 lines or bits cannot be covered, and why; they do not count. Its row "of tests" names modules that only tests have. Exit status 1 if a module has less than 95 % of its lines or 90 % of its bits, or a
 reason is given for more points than are left. `--missing MODULE` prints the points of a module that were not covered.
 """
 
 import argparse
+import functools
 import json
 import re
 import sys
-from collections import defaultdict
+from collections import Counter, defaultdict
 from pathlib import Path
 
 LEAST = {"line": 95.0, "toggle": 90.0}
 KIND = {"line": "line", "branch": "line", "toggle": "toggle"}
+NUMBER = re.compile(r"\b\d+'[dhb][0-9a-f_]+|\d+")
 POINT = re.compile(r"C '(.*)' (\d+)$")
+
+
+@functools.cache
+def lines(path):
+    """Of each line of a text what it says apart from numbers, and how many lines before it say the same."""
+    seen, found = Counter(), []
+    for line in path.read_text().split("\n"):
+        plain = NUMBER.sub("#", line.strip())
+        found.append(f"{plain} ({seen[plain]})")
+        seen[plain] += 1
+    return found
 
 
 def points(path):
@@ -27,7 +41,8 @@ def points(path):
         field = dict(part.split("\x02", 1) for part in found[1].split("\x01") if part)
         kind, module = field["page"].removeprefix("v_").split("/", 1)
         if kind in KIND:
-            place = (Path(field["f"]).name, field["l"], field.get("n", ""), field.get("o", ""))
+            text = lines(path.parent / "texts" / Path(field["f"]).name)
+            place = (text[int(field["l"]) - 1], field.get("n", ""), field.get("o", ""))
             yield (module.split("__")[0], KIND[kind], ":".join(place)), int(found[2])
 
 

@@ -146,7 +146,8 @@ pub fn build(source: &Source, options: &Options) -> Result<Product, Error> {
         Cow::Borrowed(_) => options.cache.clone(),
         Cow::Owned(_) => mutant::folder(),
     };
-    let source = &*simulated;
+    let counted = if options.coverage { Some(named_by_text(&simulated)?) } else { None };
+    let source = counted.as_ref().unwrap_or(&simulated);
     let tools = tools()?;
     let key = cache::key(inputs(source, options, &tools).iter().map(String::as_str));
     let name = format!("{}-{}.so", source.top, &key[..24]);
@@ -167,6 +168,22 @@ pub fn build(source: &Source, options: &Options) -> Result<Product, Error> {
         make(work, options, "model.so", &variables)?;
         fs::rename(work.join("model.so"), work.join(&name)).map_err(at(work))
     })
+}
+
+/// The same with the hash of its text in the name of each file, under which the folder `$EDOF_COVERAGE/texts` has it: what covers a line says where
+/// it stands, and a block of other sizes may have it elsewhere.
+fn named_by_text(source: &Source) -> Result<Source, Error> {
+    let mut named = source.clone();
+    let texts = std::env::var_os("EDOF_COVERAGE").map(|folder| Path::new(&folder).join("texts"));
+    for (name, text) in &mut named.files {
+        let (stem, extension) = name.rsplit_once('.').unwrap_or((name, "v"));
+        *name = format!("{stem}.{}.{extension}", &cache::key([text.as_str()])[..12]);
+        if let Some(texts) = &texts {
+            let path = texts.join(&*name);
+            fs::create_dir_all(texts).and_then(|()| fs::write(&path, &*text)).map_err(at(&path))?;
+        }
+    }
+    Ok(named)
 }
 
 /// Everything that a model depends on.
