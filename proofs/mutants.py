@@ -209,6 +209,19 @@ def curated(generated):
         yield changed(row["name"], row["file"], old, new, row["new"]), row["seen_by"]
 
 
+def equivalents(generated):
+    """Why a mutant of equivalent-mutants.json, by its block and what it changes, can be seen by nothing; each must be one that can be drawn."""
+    texts = {module(path.name): path.read_text() for path in (generated / "rtl").glob("*.v")}
+    reasons = {}
+    for row in json.loads((HERE / "equivalent-mutants.json").read_text()):
+        text = texts[row["block"]]
+        before = text.split("\n")
+        if not any(f"{before[number].strip()} -> {line.strip()}" == row["what"] for _, number, line in sites(text)):
+            sys.exit(f"mutants.py: equivalent-mutants.json: {row['block']} has no mutant '{row['what']}'; correct it or take it out")
+        reasons[row["block"], row["what"]] = row["why"]
+    return reasons
+
+
 def drawn(generated, blocks, seed):
     """One after the other, each block as often as it has places for a fault."""
     draw = random.Random(seed)
@@ -300,9 +313,8 @@ class Drawn:
             file.write(json.dumps(row) + "\n")
             self.rows.append(row)
 
-    def score(self, out):
-        """A table by block, and whoever survived; whether it is enough."""
-        reasons = {(row["block"], row["what"]): row["why"] for row in json.loads((HERE / "equivalent-mutants.json").read_text())}
+    def score(self, out, reasons):
+        """A table by block, and whoever survived; whether it is enough. `reasons` are those of the equivalent ones."""
         blocks, by = collections.defaultdict(collections.Counter), collections.Counter()
         survived, equivalent, wrong = [], [], []
         for row in self.rows:
@@ -358,7 +370,8 @@ def main():
         if judges.sees(name, Mutant("none", file, (judges.generated / "rtl" / file).read_text(), "")):
             sys.exit(f"mutants.py: {name} does not pass without a fault in time; give it longer than {options.limit:.0f} s by --limit")
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        test_table(judges, options, pool) if options.draw is None else test_drawn(judges, options, pool)
+        reasons = equivalents(judges.generated)
+        test_table(judges, options, pool) if options.draw is None else test_drawn(judges, options, pool, reasons)
 
 
 def test_table(judges, options, pool):
@@ -376,7 +389,7 @@ def test_table(judges, options, pool):
     print(f"all {len(rows)} mutants were seen in {time.monotonic() - start:.0f} s")
 
 
-def test_drawn(judges, options, pool):
+def test_drawn(judges, options, pool, reasons):
     """As many mutants at random as are asked for. What is no Verilog any more is drawn again."""
     files = {path.name for path in (judges.generated / "rtl").glob("*.v")}
     wanted = {f"{block}.v" for block in options.block} or files
@@ -396,7 +409,7 @@ def test_drawn(judges, options, pool):
         if not batch:
             break
         count += sum(verdict != "no Verilog" for verdict in pool.map(one, batch))
-    if not kept.score(judges.out):
+    if not kept.score(judges.out, reasons):
         sys.exit(1)
 
 

@@ -92,7 +92,8 @@ fn read_tables(pause: i64, with_faults: bool) {
         let is_command = last.cycle > RESET + 300 && draw.whole(0, pause) == 0;
         b.write_valid.next = is_first || is_command;
         let is_faulty = with_faults && !is_first;
-        b.reset.next = last.cycle < RESET || is_faulty && is_command && draw.whole(0, 9) == 0;
+        let resets = draw.whole(0, 900) == 0 || is_command && draw.whole(0, 9) == 0;
+        b.reset.next = last.cycle < RESET || is_faulty && resets;
         // Each other address differs in one bit.
         let other = if is_faulty && bit(draw) { 1 << draw.whole(0, 24) } else { 0 };
         let command = address(TABLES, Space::Register { row: READ_REGISTER });
