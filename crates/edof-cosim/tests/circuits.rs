@@ -31,6 +31,7 @@ mod icarus;
 mod kernels;
 mod lint;
 mod lint_designs;
+mod memory_loss;
 mod mid_stream;
 mod miscompiles;
 mod netlists;

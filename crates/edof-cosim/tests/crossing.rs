@@ -368,6 +368,34 @@ fn a_level_arrives_in_the_second_or_third_cycle() {
     assert!(seen[2] > 20 && seen[3] > 20, "after so many cycles: {seen:?}");
 }
 
+/// Whether a counter that goes up by two or fewer in a cycle of its reader is seen as one of the numbers that it had in the last three cycles.
+fn is_seen_as_it_was(code: impl Fn(u64) -> u64, decode: impl Fn(u64) -> u64) -> bool {
+    let source = source(LevelTop::default()).metastable();
+    let (mut bench, draw) = (bench(&source, 7), &mut Draw::new(7));
+    bench.clock("clock_i", 5_000).unwrap();
+    bench.set("from_i", 0).unwrap();
+    bench.steps(4, &mut []).unwrap();
+    let (mut number, mut steps) = (0, [0; 3]);
+    (0..2_000).all(|cycle| {
+        steps[cycle % 3] = draw.whole(0, 2) as u64;
+        for _ in 0..steps[cycle % 3] {
+            number = (number + 1) % 8;
+            bench.set("from_i", code(number)).unwrap();
+            bench.get("to_o").unwrap();
+        }
+        bench.step(&mut []).unwrap();
+        let behind = (number + 8 - decode(bench.get("to_o").unwrap())) % 8;
+        behind <= steps.iter().sum::<u64>()
+    })
+}
+
+#[test]
+fn a_gray_code_that_outruns_its_reader_is_seen_as_it_was_and_a_binary_one_is_not() {
+    let gray = |number: u64| number ^ number >> 1;
+    assert!(is_seen_as_it_was(gray, |code| code ^ code >> 1 ^ code >> 2));
+    assert!(!is_seen_as_it_was(|number| number, |code| code));
+}
+
 #[test]
 fn a_reset_is_caught_while_the_clock_stands_and_lasts_long_enough() {
     let source = source(LevelTop::default());

@@ -1,6 +1,6 @@
 //! Icarus and Verilator give the same outputs.
 
-use crate::support::{build, counter, images, machine, wide};
+use crate::support::{build, images, machine, ticks, wide};
 use edof_cosim::verilator::Start;
 use edof_cosim::{Layout, Rows, Source, icarus};
 use std::path::Path;
@@ -45,7 +45,7 @@ fn every_width_is_the_same_in_both() {
 
 #[test]
 fn what_reset_forgot_stays_unknown() {
-    let source = counter();
+    let source = ticks();
     let rows = stimulus(&source, 50, 1);
     let (verilator, icarus) = both(&source, &rows, Path::new("."));
     assert_eq!(icarus.first_difference(&source, &verilator), None);
@@ -55,7 +55,7 @@ fn what_reset_forgot_stays_unknown() {
 
 #[test]
 fn the_first_difference_is_named() {
-    let source = counter();
+    let source = ticks();
     let rows = stimulus(&source, 50, 1);
     let (mut verilator, icarus) = both(&source, &rows, Path::new("."));
     verilator.row_mut(30)[1] ^= 1;
@@ -95,8 +95,8 @@ fn each_memory_itself_says_that_its_image_is_missing() {
 
 #[test]
 fn broken_verilog_is_reported_with_file_and_line() {
-    let mut source = counter();
-    source.files[0].1 = "module counter (input wire a);\n  assign b = ;\nendmodule\n".into();
+    let mut source = ticks();
+    source.files[0].1 = "module ticks (input wire a);\n  assign b = ;\nendmodule\n".into();
     let error = icarus::run(&source, &Rows::zeros(2, 1), None).unwrap_err().to_string();
-    assert!(error.starts_with("iverilog failed: counter.v:2: "), "{error}");
+    assert!(error.starts_with("iverilog failed: ticks.v:2: "), "{error}");
 }

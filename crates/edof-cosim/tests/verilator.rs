@@ -1,6 +1,6 @@
 //! Small designs through Verilator.
 
-use crate::support::{build, build_traced, counter, fresh_cache, images, machine, options, wide};
+use crate::support::{build, build_traced, fresh_cache, images, machine, options, ticks, wide};
 use edof_cosim::verilator::{Library, Model, Start, Waveform};
 use edof_cosim::{Direction, Error, Rows, Source};
 use std::collections::BTreeSet;
@@ -10,7 +10,7 @@ fn start(library: &Library, seed: u64) -> Model {
     library.start(&Start { seed, ..Start::default() }).unwrap()
 }
 
-/// Row of the counter's inputs: reset for a cycle, then enabled.
+/// Row of the inputs of `ticks`: reset for a cycle, then enabled.
 fn counting(library: &Library, cycles: usize) -> Rows {
     let mut rows = Rows::new(library.inputs().words());
     for cycle in 0..cycles {
@@ -21,7 +21,7 @@ fn counting(library: &Library, cycles: usize) -> Rows {
 
 #[test]
 fn a_counter_counts_and_its_outputs_follow_its_inputs_before_the_edge() {
-    let source = counter();
+    let source = ticks();
     let port = |name| source.port(name).unwrap();
     let mut model = start(&build(&source), 1);
     model.poke(port("reset_i"), 1).unwrap();
@@ -40,7 +40,7 @@ fn a_counter_counts_and_its_outputs_follow_its_inputs_before_the_edge() {
 
 #[test]
 fn a_batch_gives_what_single_steps_give() {
-    let library = build(&counter());
+    let library = build(&ticks());
     let stimulus = library.inputs().random(200, 5);
     let batch = start(&library, 1).run(&stimulus).unwrap();
     let mut model = start(&library, 1);
@@ -72,7 +72,7 @@ fn every_width_passes_unharmed() {
 
 #[test]
 fn start_up_values_are_the_seeds() {
-    let library = build(&counter());
+    let library = build(&ticks());
     let free = |seed| start(&library, seed).peek(5).unwrap();
     assert_eq!(free(3), free(3));
     let distinct: BTreeSet<u64> = (0..50).map(free).collect();
@@ -103,7 +103,7 @@ fn a_missing_memory_image_is_named() {
 #[test]
 fn a_window_of_cycles_is_written_as_a_waveform() {
     let dir = tempfile::tempdir().unwrap();
-    let library = build_traced(&counter(), Waveform::Vcd);
+    let library = build_traced(&ticks(), Waveform::Vcd);
     let mut model = start(&library, 1);
     let path = dir.path().join("window.vcd");
     model.trace_window(&path, 20, 22).unwrap();
@@ -119,7 +119,7 @@ fn a_window_of_cycles_is_written_as_a_waveform() {
 fn a_waveform_ends_and_another_begins_within_one_run() {
     let dir = tempfile::tempdir().unwrap();
     let format = Waveform::best();
-    let library = build_traced(&counter(), format);
+    let library = build_traced(&ticks(), format);
     let mut model = start(&library, 1);
     for name in ["first", "second"] {
         let path = dir.path().join(name).with_extension(format.extension());
@@ -134,9 +134,9 @@ fn a_waveform_ends_and_another_begins_within_one_run() {
 
 #[test]
 fn tracing_changes_nothing() {
-    let plain = build(&counter());
+    let plain = build(&ticks());
     let stimulus = plain.inputs().random(100, 9);
-    let traced = build_traced(&counter(), Waveform::Vcd);
+    let traced = build_traced(&ticks(), Waveform::Vcd);
     assert_eq!(start(&plain, 4).run(&stimulus).unwrap(), start(&traced, 4).run(&stimulus).unwrap());
     let error = start(&plain, 4).start_trace(Path::new("x.vcd")).unwrap_err();
     assert_eq!(error.to_string(), "simulation stopped: this model was built without waveforms");
@@ -145,18 +145,18 @@ fn tracing_changes_nothing() {
 #[test]
 fn models_run_on_many_threads_at_once() {
     let (_guard, dir) = images(7);
-    let (counter, machine) = (build(&counter()), build(&machine()));
+    let (ticks, machine) = (build(&ticks()), build(&machine()));
     let run = |library: &Library, seed| {
         let memory_dir = Some(dir.clone());
         let mut model = library.start(&Start { seed, memory_dir }).unwrap();
         model.run(&library.inputs().random(2000, seed)).unwrap()
     };
-    let expected: Vec<_> = (0..4).map(|seed| (run(&counter, seed), run(&machine, seed))).collect();
+    let expected: Vec<_> = (0..4).map(|seed| (run(&ticks, seed), run(&machine, seed))).collect();
     std::thread::scope(|scope| {
         for _ in 0..4 {
             scope.spawn(|| {
                 for (seed, expected) in expected.iter().enumerate() {
-                    assert_eq!(*expected, (run(&counter, seed as u64), run(&machine, seed as u64)));
+                    assert_eq!(*expected, (run(&ticks, seed as u64), run(&machine, seed as u64)));
                 }
             });
         }
@@ -165,7 +165,7 @@ fn models_run_on_many_threads_at_once() {
 
 #[test]
 fn ports_that_do_not_fit_are_rejected() {
-    let library = build(&counter());
+    let library = build(&ticks());
     let mut model = start(&library, 1);
     let text = |result: Result<(), Error>| result.unwrap_err().to_string();
     assert_eq!(text(model.poke(0, 1)), "clock_i: is a clock, which tick moves");
@@ -174,50 +174,50 @@ fn ports_that_do_not_fit_are_rejected() {
     assert_eq!(text(model.poke_words(1, &[0, 0])), "reset_i: 2 words given, where the port has 1");
     assert_eq!(text(model.apply(&[0])), "a row of 1 words, where the design has 2");
     assert_eq!(text(model.run(&Rows::zeros(3, 1)).map(drop)), "a row of 3 words, where the design has 2");
-    assert_eq!(text(library.source().port("x").map(drop)), "counter has no port x");
+    assert_eq!(text(library.source().port("x").map(drop)), "ticks has no port x");
 }
 
 #[test]
 fn broken_verilog_is_reported_with_file_and_line() {
-    let mut source = counter();
-    source.files[0].1 = "module counter (input wire a);\n  assign b = ;\nendmodule\n".into();
+    let mut source = ticks();
+    source.files[0].1 = "module ticks (input wire a);\n  assign b = ;\nendmodule\n".into();
     let error = Library::build(&source, &options()).unwrap_err().to_string();
-    assert!(error.starts_with("verilator failed: %Error: counter.v:2:14: syntax error"), "{error}");
+    assert!(error.starts_with("verilator failed: %Error: ticks.v:2:14: syntax error"), "{error}");
 }
 
 #[test]
 fn ports_other_than_those_of_the_verilog_are_rejected() {
     let refusal = |change: fn(&mut Source)| {
-        let mut source = counter();
+        let mut source = ticks();
         change(&mut source);
         Library::build(&source, &options()).unwrap_err().to_string()
     };
     assert_eq!(
         refusal(|source| source.ports[1].name = "other_i".into()),
-        "design counter: port other_i is not in the Verilog"
+        "design ticks: port other_i is not in the Verilog"
     );
     assert_eq!(
         refusal(|source| source.ports[3].bits = 9),
-        "design counter: port count_o has 8 bits in the Verilog, not 9"
+        "design ticks: port count_o has 8 bits in the Verilog, not 9"
     );
     assert_eq!(
         refusal(|source| source.ports[2].direction = Direction::Out),
-        "design counter: port enable_i has the other direction in the Verilog"
+        "design ticks: port enable_i has the other direction in the Verilog"
     );
     assert_eq!(
         refusal(|source| drop(source.ports.pop())),
-        "design counter: port free_o of the Verilog is not in the list of ports"
+        "design ticks: port free_o of the Verilog is not in the list of ports"
     );
 }
 
 #[test]
 fn a_corrupted_file_in_the_cache_is_named() {
     let (cache, options) = fresh_cache();
-    drop(Library::build(&counter(), &options).unwrap());
+    drop(Library::build(&ticks(), &options).unwrap());
     let names = std::fs::read_dir(cache.path()).unwrap().map(|entry| entry.unwrap().path());
     let model = names.into_iter().find(|path| path.extension().is_some_and(|end| end == "so")).unwrap();
     std::fs::write(&model, "spoilt").unwrap();
-    let error = Library::build(&counter(), &options).unwrap_err().to_string();
+    let error = Library::build(&ticks(), &options).unwrap_err().to_string();
     assert!(error.starts_with(&format!("{}: ", model.display())), "{error}");
 }
 
@@ -229,10 +229,10 @@ fn only_a_change_compiles_again() {
         names.filter(|name| name.to_str().unwrap().ends_with(".so")).count()
     };
     for _ in 0..2 {
-        Library::build(&counter(), &options).unwrap();
+        Library::build(&ticks(), &options).unwrap();
         assert_eq!(models(), 1);
     }
-    let mut changed = counter();
+    let mut changed = ticks();
     changed.files[0].1 += "\n";
     Library::build(&changed, &options).unwrap();
     assert_eq!(models(), 2);

@@ -1,6 +1,6 @@
 //! Small designs mapped to a 7-series FPGA.
 
-use crate::support::{counter, images, macc, machine};
+use crate::support::{images, macc, machine, ticks};
 use edof_cosim::yosys::{Options, synthesize};
 
 #[test]
@@ -33,7 +33,7 @@ fn parameters_of_the_top_can_be_set() {
 
 #[test]
 fn flip_flops_and_luts_are_counted() {
-    let report = synthesize(&counter(), &Options::default()).unwrap();
+    let report = synthesize(&ticks(), &Options::default()).unwrap();
     assert_eq!(report.cells.flip_flops(), 40);
     assert!((1..20).contains(&report.cells.luts()), "{report:?}");
     assert_eq!((report.cells.dsp48e1(), report.cells.ramb36e1(), report.cells.ramb18e1()), (0, 0, 0));

@@ -11,7 +11,7 @@ pub fn options() -> Options {
 
 /// A cache of its own, which has Verilator's library already and no model.
 pub fn fresh_cache() -> (tempfile::TempDir, Options) {
-    build(&counter());
+    build(&ticks());
     let (cache, shared) = (tempfile::tempdir().unwrap(), options().cache.unwrap());
     for file in std::fs::read_dir(shared).unwrap().map(Result::unwrap) {
         if file.path().extension().is_some_and(|end| end == "o") {
@@ -37,12 +37,12 @@ fn design(top: &str, text: &str, ports: Vec<Port>) -> Source {
 }
 
 /// Ports: clock, reset, enable; count, last, free.
-pub fn counter() -> Source {
+pub fn ticks() -> Source {
     let inputs = [Port::clock("clock_i"), Port::input("reset_i", 1), Port::input("enable_i", 1)];
     let outputs = [Port::output("count_o", 8), Port::output("last_o", 1), Port::output("free_o", 32)];
     design(
-        "counter",
-        include_str!("../../../../sim/modules/counter.v"),
+        "ticks",
+        include_str!("../../../../sim/modules/ticks.v"),
         inputs.into_iter().chain(outputs).collect(),
     )
 }

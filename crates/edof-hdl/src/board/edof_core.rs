@@ -30,9 +30,9 @@ use rust_hdl::prelude::*;
 /// Four clocks: that of the incoming pixels, that of memory and host, that of the calculator and all that stands with it between raw and
 /// picture ([`StreamCore`]), that of the screen. `reset` may come at any time; each domain has its own that follows it. A clock that was lost
 /// resets its own domain alone: the screen's (`screen_reset`), the calculator's (`calculator_reset`, or when it is seen to stand still), whose
-/// frame is dropped on both sides. Every reset except the first preserves what the host wrote into the calculator, and which bank is in use. The
-/// memory has one AXI4 port, the host one of AXI4-Lite (`edof_device::registers`), both in the memory's clock. Nothing here knows of a vendor
-/// or a board.
+/// frame is dropped on both sides. Every reset except the first preserves what the host wrote into the calculator, and which bank is in use. A
+/// memory that stops to serve (`dram_ready`) resets its agents alone, and the frames that it held are gone. The memory has one AXI4 port, the
+/// host one of AXI4-Lite (`edof_device::registers`), both in the memory's clock. Nothing here knows of a vendor or a board.
 #[derive(Circuit)]
 #[circuit(
     default(ResetSync, BusSync, Sync, AxiPair, PowerOn, CalculatorPort, PictureWindow, CycleCount),
@@ -151,6 +151,9 @@ pub struct EdofCore {
     power_up: DFF<Bit>,
     calculator_lost_q: DFF<Bit>,
     is_down: DFF<Bit>,
+    // The memory does not serve: all frames in it are lost.
+    memory_down: DFF<Bit>,
+    agents_reset: Signal<Local, Bit>,
     clear_calculator: Signal<Local, Bit>,
 }
 
@@ -227,7 +230,11 @@ impl Logic for EdofCore {
         self.resets[3].clock.next = self.calculator_clock.val();
         self.resets[3].reset.next = self.restart_calculator.q.val();
         self.calculator_flush.clock.next = self.calculator_clock.val();
-        self.flush_request.d.next = self.registers.control.val().get_bit(4);
+        self.memory_down.d.next = !self.dram_ready.val();
+        self.agents_reset.next = self.resets[1].domain_reset.val() || self.memory_down.q.val();
+        // The calculator drops its frame when the memory is lost, and can be reached until the memory is back.
+        self.flush_request.d.next =
+            self.registers.control.val().get_bit(4) || (!self.dram_ready.val() && !self.memory_down.q.val());
         self.calculator_flush.reset.next = self.flush_request.q.val();
         // What looks at a clock is reset by the first reset alone: a longer one is no clock that stands still.
         self.first_reset.clock.next = self.calculator_clock.val();
@@ -252,9 +259,9 @@ impl Logic for EdofCore {
         self.input_status.to_clock.next = self.clock.val();
         self.input_status.to_reset.next = self.resets[1].domain_reset.val();
         self.raw_writer.clock.next = self.clock.val();
-        self.raw_writer.reset.next = self.resets[1].domain_reset.val();
+        self.raw_writer.reset.next = self.agents_reset.val();
         self.raw_reader.clock.next = self.clock.val();
-        self.raw_reader.reset.next = self.resets[1].domain_reset.val();
+        self.raw_reader.reset.next = self.agents_reset.val();
         self.core.clock.next = self.calculator_clock.val();
         self.core.reset.next = self.resets[3].domain_reset.val();
         self.calculator_power_on.clock.next = self.calculator_clock.val();
@@ -268,11 +275,11 @@ impl Logic for EdofCore {
         self.power_on.reset.next = self.resets[1].domain_reset.val();
         self.registers.preserve.next = !self.power_on.first.val();
         self.picture_writer.clock.next = self.clock.val();
-        self.picture_writer.reset.next = self.resets[1].domain_reset.val();
+        self.picture_writer.reset.next = self.agents_reset.val();
         self.picture_reader.clock.next = self.clock.val();
-        self.picture_reader.reset.next = self.resets[1].domain_reset.val();
+        self.picture_reader.reset.next = self.agents_reset.val();
         self.memory.clock.next = self.clock.val();
-        self.memory.reset.next = self.resets[1].domain_reset.val();
+        self.memory.reset.next = self.agents_reset.val();
         self.memory.memory_reset.next = !self.dram_ready.val() || self.power_on.first.val();
         self.registers.clock.next = self.clock.val();
         self.registers.reset.next = self.resets[1].domain_reset.val();
@@ -303,7 +310,9 @@ impl Logic for EdofCore {
         StreamOut::<16>::join(&mut self.input_fifo.to, &mut self.patterns.source);
         StreamOut::<16>::join(&mut self.patterns.pixels, &mut self.raw_writer.pixels);
 
-        self.flush.next = self.registers.control.val().get_bit(4) || self.calculator_lost_q.q.val();
+        self.flush.next = self.registers.control.val().get_bit(4)
+            || self.calculator_lost_q.q.val()
+            || self.memory_down.q.val();
         // Through the memory to the calculator, as long as the host lets it run. What is in flight between the two domains goes with a flush, or
         // with a reset of either.
         self.clear_calculator.next =
@@ -394,7 +403,7 @@ impl Logic for EdofCore {
             self.checks[i].snapshot.next = self.snapshot.q.val();
             self.checks[i].reset.next = self.resets[1].domain_reset.val() || self.flush.val();
         }
-        self.checks[2].reset.next = self.resets[1].domain_reset.val();
+        self.checks[2].reset.next = self.agents_reset.val();
         self.checks[0].valid.next = self.raw_fifo.from.valid.val() && self.raw_fifo.from.ready.val();
         self.checks[0].data.next = self.raw_reader.pixels.data.val();
         self.checks[1].valid.next =

@@ -15,7 +15,8 @@
 //! that carry words or pulses are empty after a reset of either side, and closed until both clocks have run (`rtl/edof_clear.v`).
 //!
 //! Each but the last is a leaf of `rtl/`, and here as its model. A model sees every change at the first edge after it; in Verilog, with
-//! `EDOF_METASTABLE` defined, each bit is seen then or an edge later, at random, as on a real chip.
+//! `EDOF_METASTABLE` defined, each bit is seen then or an edge later, at random, as on a real chip. Of
+//! several changes between two edges only the last is in doubt.
 
 pub mod async_fifo;
 pub mod bus_sync;

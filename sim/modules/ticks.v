@@ -1,5 +1,5 @@
 // Counts enabled cycles; `free_o` is never reset.
-module counter (
+module ticks (
     input  wire       clock_i,
     input  wire       reset_i,
     input  wire       enable_i,
