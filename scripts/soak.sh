@@ -54,7 +54,7 @@ mutants-golden  scripts/rust-mutants.sh edof-golden 200
 mutants-quantize scripts/rust-mutants.sh edof-quantize 200
 fuzz-1          scripts/fuzz.sh 5 design camera pnm picture
 fuzz-2          scripts/fuzz.sh 5 dng raw arrays bank
-fuzz-3          scripts/fuzz.sh 5 record weights replies
+fuzz-3          scripts/fuzz.sh 5 record weights replies scene
 fuzz-4          scripts/fuzz.sh 5 dictionary rows
 serial-line     tests circuits host::
 sanitizer       scripts/sanitize.sh

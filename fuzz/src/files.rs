@@ -8,6 +8,7 @@ use edof_io::packing::{ByteOrder, Packing};
 use edof_io::raw::{Alignment, RawOptions, Size};
 use edof_methods::dictionary::Dictionary;
 use edof_network::weight_file::{WeightFileError, parse_fixed, parse_network};
+use edof_optics::scene_file::SceneFile;
 use edof_study::journal::{Header, Journal, Line, Mixing};
 use edof_study::{aperture, kodak, single_depth, tolerances};
 use std::path::{Path, PathBuf};
@@ -110,6 +111,14 @@ pub fn raw(bytes: &[u8]) {
         packing: Packing::ALL[usize::from(packing) % Packing::ALL.len()],
     };
     let _ = edof_io::raw::open(&file("frame", bytes), &options);
+}
+
+/// Scenes of layers.
+pub fn scene(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    if let Ok(scene) = SceneFile::parse(text) {
+        assert!(scene.files().count() == 2 * scene.layers.len() - 1, "each layer but the first has a matte");
+    }
 }
 
 /// Records beside raw frames.

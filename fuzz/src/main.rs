@@ -40,6 +40,7 @@ const TARGETS: &[Target] = &[
     Target { name: "picture", most_bytes: OF_PICTURE, run: files::picture, seeds: seeds::pictures },
     Target { name: "raw", most_bytes: OF_PICTURE, run: files::raw, seeds: seeds::raws },
     Target { name: "pnm", most_bytes: OF_FILE, run: files::pnm, seeds: seeds::pnms },
+    Target { name: "scene", most_bytes: OF_FILE, run: files::scene, seeds: seeds::scenes },
     Target { name: "record", most_bytes: OF_FILE, run: files::record, seeds: seeds::records },
     Target { name: "dictionary", most_bytes: OF_FILE, run: files::dictionary, seeds: seeds::dictionaries },
     Target { name: "rows", most_bytes: OF_FILE, run: files::rows, seeds: seeds::rows },

@@ -56,6 +56,15 @@ pub fn cameras() -> Vec<Vec<u8>> {
     repository("cameras", &["clear.json", "ring-2015.json", "ring-2018.json", "ring-outer.json"])
 }
 
+pub fn scenes() -> Vec<Vec<u8>> {
+    let background = r#"{"picture": "wall.png", "depth": "infinity"}"#;
+    let layer = r#"{"picture": "vase.png", "matte": "vase-matte.png", "depth": 4.5}"#;
+    vec![
+        format!(r#"{{"layers": [{background}]}}"#).into_bytes(),
+        format!(r#"{{"layers": [{background}, {layer}, {layer}]}}"#).into_bytes(),
+    ]
+}
+
 /// An NPY file of f64 or f32.
 fn npy(shape: &[usize], single: bool) -> Vec<u8> {
     let count: usize = shape.iter().product();

@@ -1,20 +1,17 @@
-//! A scene of the user: pictures with mattes, each at a depth, listed in a JSON file.
+//! A scene that a file of the user lists, with its pictures.
 
 use crate::error::Error;
 use crate::lens::Depth;
 use crate::ui::Ui;
 use crate::{memory, pictures};
 use edof_camera::Camera;
-use edof_image::words::count;
 use edof_image::{ColourFrame, Tone};
 use edof_io::photo;
-use edof_optics::layers::MAX_LAYERS;
 use edof_optics::scene::{Layer, Scene};
-use edof_storage::json;
+use edof_optics::scene_file::{LayerFile, SceneFile, WrittenDepth};
 use edof_storage::provenance::Input;
 use ndarray::{Axis, s};
 use rayon::prelude::*;
-use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
 /// Bytes per pixel that layers take, colours, mattes and what is made of them. Four take 99 to 164, sixteen 320 to 444: a quarter more is wanted.
@@ -22,41 +19,11 @@ pub const fn bytes_a_pixel(layers: usize) -> f64 {
     24.0 * (layers + 6) as f64
 }
 
-/// Most bytes of a scene file.
-const MAX_BYTES: u64 = 1 << 20;
-
-/// What the file holds.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Content {
-    /// From back to front.
-    layers: Vec<LayerFile>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct LayerFile {
-    /// Beside the file.
-    picture: PathBuf,
-    /// Grey: white where the layer covers, black where it is not; none covers all.
-    #[serde(default)]
-    matte: Option<PathBuf>,
-    depth: WrittenDepth,
-}
-
-/// As `--psi` takes it, or ψ as a number.
-#[derive(Debug, Deserialize)]
-#[serde(untagged, expecting = "a depth is a psi as a number, or a text such as \"1.5m\"")]
-enum WrittenDepth {
-    Psi(f64),
-    Text(String),
-}
-
 /// A scene file that has been read, its pictures not yet.
 #[derive(Debug)]
-pub struct SceneFile {
+pub struct ListedScene {
     path: PathBuf,
-    layers: Vec<LayerFile>,
+    file: SceneFile,
 }
 
 /// Whether a scene is one of these.
@@ -64,38 +31,17 @@ pub fn is_scene_file(scene: &str) -> bool {
     Path::new(scene).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
 }
 
-impl SceneFile {
+impl ListedScene {
     /// # Errors
     /// A file that cannot be read or lists no scene.
     pub fn load(path: &Path) -> Result<Self, Error> {
-        let refused = |reason: String| Error::message(format!("{}: {reason}", path.display()));
-        let text = json::text(path, MAX_BYTES).map_err(|e| refused(format!("cannot read: {e}")))?;
-        let Content { layers } =
-            json::parse(&text).map_err(|e| refused(format!("no scene of layers: {}", json::words(&e))))?;
-        if !(1..=MAX_LAYERS).contains(&layers.len()) {
-            return Err(refused(format!("{}, expected 1 to {MAX_LAYERS}", count(layers.len(), "layer"))));
-        }
-        if layers[0].matte.is_some() {
-            return Err(refused(
-                "its first layer has a matte, expected a background that covers everything".into(),
-            ));
-        }
-        if let Some(at) = layers.iter().skip(1).position(|layer| layer.matte.is_none()) {
-            let at = at + 1;
-            return Err(refused(format!(
-                "layer {at} has no matte, so it hides all behind it; only layer 0 has none"
-            )));
-        }
-        Ok(Self { path: path.to_owned(), layers })
+        let file = SceneFile::load(path).map_err(|e| Error::message(format!("{}: {e}", path.display())))?;
+        Ok(Self { path: path.to_owned(), file })
     }
 
     /// Every picture that it names.
     pub fn files(&self) -> impl Iterator<Item = PathBuf> + '_ {
-        self.layers
-            .iter()
-            .flat_map(|layer| [Some(&layer.picture), layer.matte.as_ref()])
-            .flatten()
-            .map(|f| self.beside(f))
+        self.file.files().map(|file| self.beside(file))
     }
 
     fn beside(&self, file: &Path) -> PathBuf {
@@ -112,7 +58,7 @@ impl SceneFile {
             let (light, inputs) = self.light(index, layer, tone, ui)?;
             Ok::<_, Error>((Layer { psi: self.psi(index, layer, camera)?, ..light }, inputs))
         };
-        let read: Vec<_> = self.layers.par_iter().enumerate().map(read).collect();
+        let read: Vec<_> = self.file.layers.par_iter().enumerate().map(read).collect();
         let mut layers = vec![];
         for layer in read {
             let (layer, inputs) = layer?;
@@ -139,8 +85,8 @@ impl SceneFile {
         }
         let mut light = tone.into_decoded(pictures::load(&file, ui).map_err(of_layer)?);
         let (height, width) = light.size();
-        let job = format!("{}: {} layers of {width}x{height}", self.path.display(), self.layers.len());
-        memory::check(&job, bytes_a_pixel(self.layers.len() - index) * (width * height) as f64)?;
+        let job = format!("{}: {} layers of {width}x{height}", self.path.display(), self.file.layers.len());
+        memory::check(&job, bytes_a_pixel(self.file.layers.len() - index) * (width * height) as f64)?;
         let picture = Input::photograph(&layer.picture.display().to_string(), &light);
         let Some(matte) = &layer.matte else {
             return Ok((Layer { light, matte: None, psi: 0.0 }, vec![picture]));

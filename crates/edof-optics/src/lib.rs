@@ -13,6 +13,7 @@
 //! | | [`mtf`] | contrast over spatial frequency and through focus |
 //! | scene | [`draw`] | charts and leaves rendered by code |
 //! | | [`scene`] | layers of colour and depth, blurred and composed with occlusion |
+//! | | [`scene_file`] | the files that list such layers |
 //! | | [`layers`] | a photograph with a depth map as such a scene |
 //! | sensor | [`sensor`] | Bayer mosaic, noise, saturation, bit depth |
 //! | all of it | [`capture`](mod@capture) | a scene captured, what each approximation costs and saves |
@@ -58,6 +59,7 @@ pub mod mtf;
 pub mod psf;
 pub mod pupil;
 pub mod scene;
+pub mod scene_file;
 pub mod sensor;
 pub mod statistics;
 mod tiles;

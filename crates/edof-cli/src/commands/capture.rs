@@ -4,7 +4,7 @@ use crate::commands::scene::{Drawing, fits};
 use crate::error::Error;
 use crate::files::Files;
 use crate::lens::{self, Depth, DepthRange, Lens};
-use crate::scene_file::{self, SceneFile};
+use crate::scene_file::{self, ListedScene};
 use crate::ui::Ui;
 use crate::{memory, pictures, said};
 use edof_camera::Camera;
@@ -390,10 +390,10 @@ impl MapOf {
 
 impl Args {
     /// What is read and written.
-    fn files(&self, listed: Option<&SceneFile>, lens: Vec<PathBuf>, ui: &Ui) -> Result<Files, Error> {
+    fn files(&self, listed: Option<&ListedScene>, lens: Vec<PathBuf>, ui: &Ui) -> Result<Files, Error> {
         let mut files = Files::new(ui)
             .reads(&self.scene)
-            .reads_all(listed.into_iter().flat_map(SceneFile::files))
+            .reads_all(listed.into_iter().flat_map(ListedScene::files))
             .reads_all(&self.depth_map)
             .reads_all(lens)
             .writes("--out", &self.out);
@@ -418,7 +418,7 @@ impl Args {
     }
 
     /// The layers of a scene that a file lists; what only photographs and synthetic scenes have is rejected.
-    fn listed(&self) -> Result<Option<SceneFile>, Error> {
+    fn listed(&self) -> Result<Option<ListedScene>, Error> {
         if !scene_file::is_scene_file(&self.scene) {
             return Ok(None);
         }
@@ -430,7 +430,7 @@ impl Args {
         if let Some((option, _)) = given.into_iter().find(|(_, given)| *given) {
             return Err(Error::message(format!("{option}: {} says it for each of its layers", self.scene)));
         }
-        SceneFile::load(Path::new(&self.scene)).map(Some)
+        ListedScene::load(Path::new(&self.scene)).map(Some)
     }
 
     fn approximation(&self) -> Result<Approximation, Error> {
