@@ -218,6 +218,20 @@ impl Rig {
 }
 
 #[test]
+fn after_a_reset_no_buffer_is_read_and_the_first_one_is_written() {
+    let mut rig = Rig::new(&source(), Behaviour::ideal(), 5).unwrap();
+    for set in [0, 1, 0] {
+        rig.senders[set].beats.extend(frame(1));
+        while rig.count("dram_write_aw_valid_o") == 0 {
+            rig.steps(1).unwrap();
+        }
+        assert_eq!(rig.count("dram_write_aw_addr_o"), u64::from(frames(set as u32).buffers[0]));
+        rig.senders[set].beats.clear();
+        rig.reset_all(20).unwrap();
+    }
+}
+
+#[test]
 fn what_comes_out_are_whole_frames_in_order_and_counters_are_right() {
     whole_frames_come_out_in_order(&source(), 0..4);
 }

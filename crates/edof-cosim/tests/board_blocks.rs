@@ -72,6 +72,44 @@ fn i2c_master() {
     });
 }
 
+/// The cycles of a free bus before the first start condition of a transfer that is asked for in the master's first idle cycle, after this many cycles of a transfer
+/// whose clock line was held for so long, or after none.
+fn free_cycles(bench: &mut Bench, held: Option<(usize, usize)>) -> usize {
+    let steps_until = |bench: &mut Bench, port: &str, level: u64| {
+        (0..20_000).find(|_| {
+            bench.step(&mut []).unwrap();
+            bench.get(port).unwrap() == level
+        })
+    };
+    for (port, level) in [("reset_i", 1), ("scl_i", 1), ("sda_i", 1), ("start_i", 0)] {
+        bench.set(port, level).unwrap();
+    }
+    bench.steps(8, &mut []).unwrap();
+    bench.set("reset_i", 0).unwrap();
+    bench.set("start_i", 1).unwrap();
+    if let Some((after, cycles)) = held {
+        bench.steps(after, &mut []).unwrap();
+        bench.set("scl_i", 0).unwrap();
+        bench.steps(cycles, &mut []).unwrap();
+        bench.set("scl_i", 1).unwrap();
+        steps_until(bench, "busy_o", 0).expect("the transfer ends");
+    }
+    steps_until(bench, "sda_low_o", 1).expect("a start condition")
+}
+
+#[test]
+fn the_bus_is_left_alone_as_long_after_a_clock_line_that_was_held_too_long() {
+    let mut bench = Bench::new(model(&source(I2cMaster::new(4)), 3), 3);
+    bench.clock("clock_i", 10_000).unwrap();
+    let usual = free_cycles(&mut bench, None);
+    for after in 1..9 {
+        for cycles in 6_390..6_410 {
+            let found = free_cycles(&mut bench, Some((after, cycles)));
+            assert!(found >= usual, "{found} cycles and not {usual}, {cycles} cycles after {after}");
+        }
+    }
+}
+
 #[test]
 fn table_reader() {
     read_tables(40, true);

@@ -1,6 +1,7 @@
 //! The core while one of its clocks stands still or is lost: pictures are whole, the host is answered, rejected words are not written later, and the other domains continue.
 
 use crate::edof_core::{Setup, design};
+use crate::frame_checks::FrameChecks;
 use edof_cosim::bench::axi_lite::Access;
 use edof_cosim::system::{Rig, drawn};
 use edof_device::design::memory::{self, Set, Space};
@@ -18,6 +19,7 @@ struct Trial {
     setup: Setup,
     frames: Vec<RawFrame>,
     pictures: Vec<Vec<u16>>,
+    checks: FrameChecks,
     rig: Rig,
 }
 
@@ -26,10 +28,11 @@ impl Trial {
         let setup = Setup::new(design(8, 8, (32, 24)));
         let frames = drawn(setup.design.frame, 60, seed).unwrap();
         let pictures = setup.pictures(&frames, 0, DisplayMode::Colour);
+        let checks = FrameChecks::new(&setup, &frames);
         let mut rig = setup.start(&frames, seed);
         rig.send(1).unwrap();
         rig.show(2).unwrap();
-        Self { setup, frames, pictures, rig }
+        Self { setup, frames, pictures, checks, rig }
     }
 
     /// New pictures come again, and all that were shown are whole.
@@ -39,6 +42,13 @@ impl Trial {
         self.rig.show(2).unwrap();
         let last = self.setup.shown(&self.rig, &self.pictures).last().copied().flatten();
         assert!(last.is_some_and(|number| number > sent), "{what}: frame {sent} was sent, {last:?} is shown");
+    }
+
+    /// The same, and CRCs are of whole frames again.
+    fn recovers_whole(&mut self, what: &str) {
+        let sent = self.rig.camera.frame;
+        self.recovers(what);
+        self.checks.hold(&mut self.rig, sent, what);
     }
 
     /// Whether the calculator's clock runs, and whether its memories are in doubt.
@@ -97,7 +107,7 @@ fn a_calculator_whose_clock_stands_is_reported_and_begins_anew_when_it_comes_bac
         }
         trial.rig.steps(draw.whole(1, 5_000) as usize).unwrap();
         trial.rig.bench.run_clock(trial.rig.calculator, true);
-        trial.recovers("clock of the calculator");
+        trial.recovers_whole("clock of the calculator");
         assert_eq!(trial.told(), [1, 1], "in doubt until the host says that it has looked");
         // The rejected words are absent.
         let [found, expected] = trial.crcs();
@@ -119,7 +129,7 @@ fn a_lock_that_is_lost_resets_the_calculator_alone() {
         trial.rig.steps(stands + 12).unwrap();
         trial.rig.bench.set("calculator_reset_i", 0).unwrap();
         trial.rig.bench.run_clock(trial.rig.calculator, true);
-        trial.recovers("lock of the calculator's clock");
+        trial.recovers_whole("lock of the calculator's clock");
         assert_eq!(trial.told(), [1, 1]);
         // Counters of the memory's domain went on: it was not reset.
         assert!(trial.rig.register("output_frames").unwrap() > pictures);
@@ -150,6 +160,24 @@ fn a_short_pause_of_either_clock_resets_nothing() {
     assert_eq!(trial.rig.register("picture_broken").unwrap(), 0);
     let [found, expected] = trial.crcs();
     assert_eq!(found, expected);
+}
+
+#[test]
+fn a_lock_of_the_screens_clock_that_is_lost_stops_the_screen_alone() {
+    let mut trial = Trial::new(25);
+    trial.rig.bench.set("screen_reset_i", 1).unwrap();
+    trial.rig.steps(1_000).unwrap();
+    let (shown, made) = (trial.rig.screen.frames.len(), trial.rig.register("picture_frames").unwrap());
+    let sent = trial.rig.camera.frame;
+    trial.rig.send(sent + 3).unwrap();
+    assert_eq!(trial.rig.screen.frames.len(), shown, "a screen in reset");
+    assert_eq!(trial.rig.register("status").unwrap() >> 3 & 1, 0, "pictures that leave");
+    assert!(trial.rig.register("picture_frames").unwrap() > made);
+    trial.rig.bench.set("screen_reset_i", 0).unwrap();
+    trial.rig.screen.forget();
+    trial.rig.shown_at.clear();
+    trial.recovers_whole("lock of the screen's clock");
+    assert_eq!((trial.told(), trial.rig.register("status").unwrap() >> 3 & 1), ([1, 0], 1));
 }
 
 #[test]

@@ -21,6 +21,7 @@ mod embedded_syncs;
 mod emitted;
 mod expressions;
 mod faulty_boards;
+mod frame_checks;
 mod full_frame;
 mod full_width;
 mod generated;

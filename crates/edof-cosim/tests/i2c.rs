@@ -513,6 +513,7 @@ fn the_host_reads_and_writes_between_the_programs_steps() {
     let mut rig = Rig::new(&program, Chips::default(), 11);
     let place = |device: u32, register: u32| device << 16 | register << 8;
     let (read, bare, card) = (1 << 23, 1 << 24, 1 << 25);
+    assert_eq!(rig.get("answer_o"), 0, "an answer before an access");
     // In the midst of the set-up, too.
     for (sequence, value) in (1..).zip([0x12u8, 0xff, 0x00, 0x80]) {
         assert_eq!(rig.access(place(0x5a, 0x33) | u32::from(value), 2 * sequence), (u32::from(value), 0));
