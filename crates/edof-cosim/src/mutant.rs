@@ -60,13 +60,47 @@ impl Mutant {
             return Cow::Borrowed(source);
         };
         let mut lines: Vec<&str> = source.files[file].1.lines().collect();
-        let Some(line) = (0..lines.len()).filter(|&line| lines[line] == self.line).nth(self.place) else {
-            return Cow::Borrowed(source);
+        let same = (0..lines.len()).filter(|&line| lines[line] == self.line).nth(self.place);
+        let changed = match same {
+            Some(line) => Some((line, self.mutated.clone())),
+            None => (0..lines.len()).find_map(|line| Some((line, self.constant(lines[line])?))),
         };
-        lines[line] = &self.mutated;
+        let Some((line, changed)) = changed else { return Cow::Borrowed(source) };
+        lines[line] = &changed;
         let mut mutated = source.clone();
         mutated.files[file].1 = lines.join("\n") + "\n";
         Cow::Owned(mutated)
+    }
+
+    /// The same constant in a module of another size, off by as much.
+    fn constant(&self, line: &str) -> Option<String> {
+        let [was, is, other] = [&self.line, &self.mutated, line].map(|line| Constant::of(line));
+        let (was, is, other) = (was?, is?, other?);
+        (was.name == is.name && was.name == other.name)
+            .then(|| other.with(other.value.wrapping_add(is.value).wrapping_sub(was.value)))
+    }
+}
+
+/// A line of the form `localparam [12:0] NAME = 13'd50;`.
+struct Constant<'a> {
+    /// All before the value.
+    name: &'a str,
+    bits: u32,
+    value: u64,
+}
+
+impl<'a> Constant<'a> {
+    fn of(line: &'a str) -> Option<Self> {
+        let (name, value) = line.strip_suffix(';')?.split_once(" = ")?;
+        let (bits, digits) = value.split_once('\'')?;
+        let radix = if digits.starts_with('h') { 16 } else { 10 };
+        let value = u64::from_str_radix(digits.strip_prefix(['d', 'h'])?, radix).ok()?;
+        let bits = bits.parse().ok().filter(|bits| (1..=64).contains(bits))?;
+        name.trim_start().starts_with("localparam ").then_some(Self { name, bits, value })
+    }
+
+    fn with(&self, value: u64) -> String {
+        format!("{} = {}'d{};", self.name, self.bits, value & u64::MAX >> (64 - self.bits))
     }
 }
 
@@ -110,6 +144,27 @@ mod tests {
         let source = source();
         for other in [mutant("n", 0), mutant("m", 2)] {
             assert!(matches!(other.applied(&source), Cow::Borrowed(same) if *same == source));
+        }
+    }
+
+    #[test]
+    fn a_constant_of_another_size_is_off_by_as_much() {
+        let text = "module m_w16;\n  localparam [3:0] A = 4'd3;\n  localparam [3:0] B = 4'hf;\nendmodule\n";
+        let source =
+            Source { top: "m_w16".into(), files: vec![("m_w16.v".into(), text.into())], ports: vec![] };
+        let changed = |line: &str, mutated: &str| {
+            let mutant = Mutant { module: "m".into(), line: line.into(), place: 0, mutated: mutated.into() };
+            mutant.applied(&source).into_owned().files[0].1.clone()
+        };
+        let text = changed("  localparam [3:0] B = 4'h8;", "  localparam [3:0] B = 4'd10;");
+        assert_eq!(text, source.files[0].1.replace("4'hf", "4'd1"));
+        // Another name, another width, and no constant.
+        for (line, mutated) in [
+            ("  localparam [3:0] C = 4'd8;", "  localparam [3:0] C = 4'd9;"),
+            ("  localparam [4:0] B = 5'd8;", "  localparam [4:0] B = 5'd9;"),
+            ("  b <= 4'd8;", "  b <= 4'd9;"),
+        ] {
+            assert_eq!(changed(line, mutated), source.files[0].1);
         }
     }
 

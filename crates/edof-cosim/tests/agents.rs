@@ -92,7 +92,7 @@ fn frames(set: u32) -> Frames {
 }
 
 /// Words that each of them may hold.
-const DEPTH: usize = 64;
+const DEPTH: usize = 32;
 
 /// The agents, and how full each ever was.
 fn source() -> Source {
@@ -510,7 +510,7 @@ fn broken_agents_are_found_out_by_the_rules_of_their_ports() {
         ("write_agent", "dram_aw_addr_o", "+ 32'd4032", "crosses a 4 KiB boundary"),
         ("read_agent", "dram_ar_addr_o", "+ 32'd4", "inside of a word"),
         ("write_agent", "dram_w_last_o", "&& 1'b0", "the last word of a burst"),
-        ("write_agent", "dram_aw_valid_o", "&& pixels_valid_i", "dram_write, edge"),
+        ("write_agent", "dram_aw_valid_o", "&& dram_w_ready_i", "dram_write, edge"),
     ];
     for (kind, port, change, rule) in cases {
         let found = fault(&broken_agents(kind, port, |value| format!("({value}) {change}")));

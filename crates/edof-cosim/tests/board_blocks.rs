@@ -11,7 +11,9 @@ use edof_device::design::memory::{Space, TABLES, address};
 use edof_device::design::reading::READ_REGISTER;
 use edof_device::pattern::{Pattern, TILE, TILE_SIDE};
 use edof_golden::video::pattern;
-use edof_hdl::board::{ClockWatch, CycleCount, I2cMaster, PatternSource, PictureWindow, UartReceiver};
+use edof_hdl::board::{
+    ClockWatch, CycleCount, I2cMaster, PatternSource, PictureWindow, UartBus, UartReceiver,
+};
 use edof_hdl::video::table_reader::TableReader;
 use edof_image::draw::Draw;
 use edof_image::{RawFrame, Stride};
@@ -20,7 +22,7 @@ use ndarray::Array2;
 use rust_hdl::prelude::*;
 use std::collections::VecDeque;
 
-ported!(CycleCount, I2cMaster, TableReader, UartReceiver);
+ported!(CycleCount, I2cMaster, TableReader, UartBus, UartReceiver);
 
 /// Two squares of the chart and a bit of a third, in both directions.
 const FRAME: FrameSize = FrameSize { width: 38, height: 34, stride: Stride::PATCH };
@@ -44,6 +46,44 @@ fn uart_receiver() {
         }
         left -= 1;
         b.line.next = level != (draw.whole(0, 60) == 0);
+    });
+}
+
+/// Levels of a frame: a command of one word, an address, the word for a write; some with a byte that is not there; a pause after it.
+fn levels(draw: &mut Draw) -> VecDeque<bool> {
+    let command = draw.whole(1, 4);
+    let rest = (0..if command % 2 == 1 { 8 } else { 4 }).map(|_| draw.whole(0, 255));
+    let mut bytes = [command, 1].into_iter().chain(rest).collect::<Vec<_>>();
+    if draw.whole(0, 5) == 0 {
+        bytes.remove(draw.whole(0, bytes.len() as i64 - 1) as usize);
+    }
+    let bits =
+        |byte: i64| [false].into_iter().chain((0..8).map(move |bit| byte >> bit & 1 == 1)).chain([true]);
+    let bits = bytes.into_iter().flat_map(bits).flat_map(|level| [level; UART_CYCLES as usize]);
+    bits.chain(vec![true; draw.whole(0, 250) as usize]).collect()
+}
+
+const UART_CYCLES: u16 = 4;
+
+#[test]
+fn uart_bus() {
+    let mut line = VecDeque::new();
+    let qualified =
+        [("bus.aw_addr", "bus.aw_valid"), ("bus.w_data", "bus.w_valid"), ("bus.ar_addr", "bus.ar_valid")];
+    agree(UartBus::new(UART_CYCLES, 150), RESET as usize, &qualified, |b, draw, last| {
+        b.reset.next = last.cycle < RESET;
+        if line.is_empty() {
+            line = levels(draw);
+        }
+        b.receive.next = line.pop_front().unwrap();
+        b.bus.aw_ready.next = bit(draw);
+        b.bus.w_ready.next = bit(draw);
+        b.bus.b_valid.next = bit(draw);
+        b.bus.b_resp.next = word(draw);
+        b.bus.ar_ready.next = bit(draw);
+        b.bus.r_valid.next = bit(draw);
+        b.bus.r_data.next = word(draw);
+        b.bus.r_resp.next = word(draw);
     });
 }
 
@@ -119,6 +159,7 @@ fn table_reader() {
 
 /// A command in one of `pause` cycles on average; with faults some have another address, or come in a reset.
 fn read_tables(pause: i64, with_faults: bool) {
+    let mut began = 0;
     // From the first row of weights on all is known.
     agree(TableReader::new(), RESET as usize + 300, &[], |b, draw, last| {
         b.host_write.next = draw.whole(0, 3) == 0;
@@ -127,7 +168,13 @@ fn read_tables(pause: i64, with_faults: bool) {
         b.host_data.next = word(draw);
         b.table_word.next = word(draw);
         let is_first = last.cycle == RESET + 2;
+        // Some come as a row before ends: 63 cycles after the command, and each 256 after that.
+        let row_ends = (last.cycle - began) % 256 == 63;
+        let pause = if row_ends && !with_faults { 1 } else { pause };
         let is_command = last.cycle > RESET + 300 && draw.whole(0, pause) == 0;
+        if is_first || is_command {
+            began = last.cycle;
+        }
         b.write_valid.next = is_first || is_command;
         let is_faulty = with_faults && !is_first;
         let resets = draw.whole(0, 900) == 0 || is_command && draw.whole(0, 9) == 0;

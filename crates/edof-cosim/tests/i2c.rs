@@ -21,7 +21,7 @@ const DEPTH: usize = 512;
 #[derive(Clone, Default)]
 pub struct Chips {
     pub registers: BTreeMap<(u8, u8), u8>,
-    missing: Vec<u8>,
+    pub missing: Vec<u8>,
     pointer: u8,
     pub log: Vec<(u8, u8, u8, bool)>,
 }

@@ -88,10 +88,11 @@ impl Last {
     }
 }
 
-/// The ports of a block: signals one level below it.
+/// The ports of a block: signals one level below it, and those of bundles there, `bundle.signal`.
 #[derive(Default)]
 struct Ports {
     depth: usize,
+    bundle: String,
     values: HashMap<String, u64>,
 }
 
@@ -104,8 +105,16 @@ impl Probe for Ports {
         if self.depth == 1 && signal.kind().is_parameter() {
             let literal = format!("{:x}", signal.verilog());
             let digits = literal.rsplit("'h").next().unwrap();
-            self.values.insert(name.into(), u64::from_str_radix(digits, 16).unwrap());
+            self.values.insert(format!("{}{name}", self.bundle), u64::from_str_radix(digits, 16).unwrap());
         }
+    }
+
+    fn visit_start_namespace(&mut self, name: &str, _: &dyn Block) {
+        self.bundle = format!("{name}.");
+    }
+
+    fn visit_end_namespace(&mut self, _: &str, _: &dyn Block) {
+        self.bundle.clear();
     }
 
     fn visit_end_scope(&mut self, _: &str, _: &dyn Block) {
