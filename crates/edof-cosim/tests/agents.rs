@@ -124,13 +124,18 @@ fn frame(number: u64) -> Vec<Beat> {
     (0..HEIGHT).flat_map(line).collect()
 }
 
-/// A frame with too few pixels in a line, too many, or too few lines.
+/// A frame with too few pixels in a line, too many, as many too few in one as too many in the next, or too few lines.
 fn broken(number: u64, draw: &mut Draw) -> Vec<Beat> {
     let mut beats = frame(number);
     let place = draw.whole(1, (WIDTH * HEIGHT) as i64 - 2) as usize;
-    match draw.whole(0, 2) {
+    let more = Beat { data: 7, user: false, last: false };
+    match draw.whole(0, 3) {
         0 => drop(beats.remove(place)),
-        1 => beats.insert(place, Beat { data: 7, user: false, last: false }),
+        1 => beats.insert(place, more),
+        2 => {
+            beats.insert(draw.whole(WIDTH as i64 + 1, 2 * WIDTH as i64 - 2) as usize, more);
+            beats.remove(draw.whole(1, WIDTH as i64 - 2) as usize);
+        }
         _ => beats.truncate(place),
     }
     beats
@@ -510,7 +515,7 @@ fn broken_agents_are_found_out_by_the_rules_of_their_ports() {
         ("write_agent", "dram_aw_addr_o", "+ 32'd4032", "crosses a 4 KiB boundary"),
         ("read_agent", "dram_ar_addr_o", "+ 32'd4", "inside of a word"),
         ("write_agent", "dram_w_last_o", "&& 1'b0", "the last word of a burst"),
-        ("write_agent", "dram_aw_valid_o", "&& dram_w_ready_i", "dram_write, edge"),
+        ("write_agent", "dram_aw_valid_o", "|| push_q", "dram_write, edge"),
     ];
     for (kind, port, change, rule) in cases {
         let found = fault(&broken_agents(kind, port, |value| format!("({value}) {change}")));

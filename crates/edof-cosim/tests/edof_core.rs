@@ -178,18 +178,6 @@ fn a_core_as_fast_as_the_pixels_or_slower_shows_no_mixed_pictures() {
     }
 }
 
-#[test]
-fn a_calculators_clock_runs_until_it_is_seen_to_stand() {
-    let setup = Setup::new(design(8, 8, (32, 24)));
-    let begin = setup.begin(3);
-    // So slow that the reset is over before the clock was seen.
-    let periods = Periods { calculator: 400 * begin.periods.core, ..begin.periods };
-    let frames = drawn(setup.design.frame, 1, 3).unwrap();
-    let sent = frames.iter().map(system::sent).collect();
-    let mut rig = Rig::start(&setup.compiled, &RigConfig { periods, ..begin }, sent).unwrap();
-    assert_eq!(rig.register("status").unwrap() >> 8 & 1, 1);
-}
-
 /// Whether a frame is one of the pictures, or black from a pixel on.
 pub fn is_whole_or_cut(frame: &[u16], pictures: &[Vec<u16>]) -> bool {
     pictures.iter().any(|picture| {
