@@ -3,6 +3,7 @@
 //! `edof reconstruct --board` writes for one of the frames.
 
 use crate::common::{committed, networks};
+use crate::memory_loss::{RAW_READER, burst_begins};
 use crate::support;
 use edof_cosim::bench::Behaviour;
 use edof_cosim::bench::axi_lite::Access;
@@ -327,8 +328,11 @@ fn a_flush_and_a_reset_drop_the_frame_under_way_and_nothing_that_was_written() {
     let address = memory::address(1, Space::Register { row: 1 });
     rig.access(Access::Write(WEIGHTS.word(address), written)).unwrap();
     let control = map::register("control").unwrap();
-    for held in [10, 3_000] {
+    for held in [10, 3_000, 10] {
         rig.steps(7_001).unwrap();
+        // In the midst of a frame on its way to the calculator.
+        burst_begins(&mut rig, RAW_READER);
+        rig.steps(600).unwrap();
         rig.access(Access::Write(control.address, control.reset | 1 << 4)).unwrap();
         rig.steps(400 + held).unwrap();
         rig.access(Access::Write(control.address, control.reset)).unwrap();

@@ -22,8 +22,11 @@ fn stays_down(rig: &mut Rig, generated: u32) {
     assert!(whole.iter().all(|pixel| *pixel == BLACK_PIXEL));
 }
 
-/// Until an agent asks for a burst: one of the writers, or of the readers.
-fn burst_begins(rig: &mut Rig, agent: usize) {
+/// The third of the agents: the writers of raw frames and pictures, the readers of both.
+pub const RAW_READER: usize = 2;
+
+/// Until an agent asks for a burst.
+pub fn burst_begins(rig: &mut Rig, agent: usize) {
     let [valid, id] =
         [["dram_write_aw_valid_o", "dram_write_aw_id_o"], ["dram_read_ar_valid_o", "dram_read_ar_id_o"]]
             [agent / 2];
