@@ -56,25 +56,29 @@ impl Mutant {
     }
 
     fn applied<'a>(&self, source: &'a Source) -> Cow<'a, Source> {
-        let Some(file) = source.files.iter().position(|(name, _)| module(name) == self.module) else {
-            return Cow::Borrowed(source);
-        };
-        let mut lines: Vec<&str> = source.files[file].1.lines().collect();
-        let same = (0..lines.len()).filter(|&line| lines[line] == self.line).nth(self.place);
-        let changed = match same {
-            Some(line) => Some((line, self.mutated.clone())),
-            None => (0..lines.len()).find_map(|line| Some((line, self.constant(lines[line])?))),
-        };
-        let Some((line, changed)) = changed else { return Cow::Borrowed(source) };
-        lines[line] = &changed;
+        let files = source.files.iter().enumerate().filter(|(_, (name, _))| module(name) == self.module);
+        let mut changed = files.filter_map(|(file, (_, text))| Some((file, self.changed(text)?)));
+        let Some((file, text)) = changed.next() else { return Cow::Borrowed(source) };
         let mut mutated = source.clone();
-        mutated.files[file].1 = lines.join("\n") + "\n";
+        mutated.files[file].1 = text;
         Cow::Owned(mutated)
+    }
+
+    /// A module's text with the mutant, if it has the line, or a constant of that name.
+    fn changed(&self, text: &str) -> Option<String> {
+        let mut lines: Vec<&str> = text.lines().collect();
+        let same = (0..lines.len()).filter(|&line| lines[line] == self.line).nth(self.place);
+        let (line, changed) = match same {
+            Some(line) => (line, self.mutated.clone()),
+            None => (0..lines.len()).find_map(|line| Some((line, self.constant(lines[line])?)))?,
+        };
+        lines[line] = &changed;
+        Some(lines.join("\n") + "\n")
     }
 
     /// The same constant in a module of another size, off by as much.
     fn constant(&self, line: &str) -> Option<String> {
-        let [was, is, other] = [&self.line, &self.mutated, line].map(|line| Constant::of(line));
+        let [was, is, other] = [&self.line, &self.mutated, line].map(Constant::of);
         let (was, is, other) = (was?, is?, other?);
         (was.name == is.name && was.name == other.name)
             .then(|| other.with(other.value.wrapping_add(is.value).wrapping_sub(was.value)))

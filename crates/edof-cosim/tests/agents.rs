@@ -86,7 +86,7 @@ const WIDTH: usize = 24;
 const HEIGHT: usize = 10;
 const BURST: usize = 16;
 
-fn frames(set: u32) -> Frames {
+pub fn frames(set: u32) -> Frames {
     let buffers = [0, 1, 2].map(|buffer| 0x1000 * (4 * set + buffer));
     Frames { width: WIDTH, height: HEIGHT, buffers, burst: BURST, depth: DEPTH }
 }
@@ -95,7 +95,7 @@ fn frames(set: u32) -> Frames {
 const DEPTH: usize = 32;
 
 /// The agents, and how full each ever was.
-fn source() -> Source {
+pub fn source() -> Source {
     let mark = |i: usize| {
         let agent = |kind: &str, taken: &str| {
             let counts = ["write_ptr", taken].map(|count| format!("{kind}s_{i}.{count}_q"));
@@ -117,7 +117,7 @@ pub fn plain() -> Source {
 }
 
 /// Frame `number`: its number first, then what nobody guesses.
-fn frame(number: u64) -> Vec<Beat> {
+pub fn frame(number: u64) -> Vec<Beat> {
     let pixel = |i: u64| if i == 0 { number } else { Draw::nth(number, i) & 0xffff };
     let line =
         |row: usize| Beat::line((0..WIDTH).map(move |column| pixel((row * WIDTH + column) as u64)), row == 0);
@@ -142,15 +142,15 @@ fn broken(number: u64, draw: &mut Draw) -> Vec<Beat> {
 }
 
 /// Everything around the agents.
-struct Rig {
+pub struct Rig {
     bench: Bench,
-    senders: [Sender; 2],
-    receivers: [Receiver; 2],
-    memory: Memory,
+    pub senders: [Sender; 2],
+    pub receivers: [Receiver; 2],
+    pub memory: Memory,
 }
 
 impl Rig {
-    fn new(source: &Source, behaviour: Behaviour, seed: u64) -> Result<Self, Error> {
+    pub fn new(source: &Source, behaviour: Behaviour, seed: u64) -> Result<Self, Error> {
         let library = Library::build(source, &support::options())?;
         let mut bench = Bench::new(library.start(&Start { seed, ..Start::default() })?, seed);
         let clock = bench.clock("clock_i", 5_000)?;
@@ -166,26 +166,26 @@ impl Rig {
     }
 
     /// A reset of the memory, and of the agents with it.
-    fn reset_all(&mut self, cycles: usize) -> Result<(), Error> {
+    pub fn reset_all(&mut self, cycles: usize) -> Result<(), Error> {
         self.bench.set("memory_reset_i", 1)?;
         self.reset(cycles)?;
         self.bench.set("memory_reset_i", 0)
     }
 
-    fn reset(&mut self, cycles: usize) -> Result<(), Error> {
+    pub fn reset(&mut self, cycles: usize) -> Result<(), Error> {
         self.bench.set("reset_i", 1)?;
         self.steps(cycles)?;
         self.bench.set("reset_i", 0)
     }
 
-    fn steps(&mut self, cycles: usize) -> Result<(), Error> {
+    pub fn steps(&mut self, cycles: usize) -> Result<(), Error> {
         let ([one, two], [three, four]) = (&mut self.senders, &mut self.receivers);
         let actors: &mut [&mut dyn Actor] = &mut [one, two, three, four, &mut self.memory];
         self.bench.steps(cycles, actors)
     }
 
     /// Until all was sent, and some while after.
-    fn finish(&mut self) -> Result<(), Error> {
+    pub fn finish(&mut self) -> Result<(), Error> {
         for _ in 0..400 {
             if self.senders.iter().all(|sender| sender.beats.is_empty()) {
                 return self.steps(6_000);
@@ -195,18 +195,18 @@ impl Rig {
         panic!("the senders hang");
     }
 
-    fn count(&mut self, port: &str) -> u64 {
+    pub fn count(&mut self, port: &str) -> u64 {
         self.bench.get(port).unwrap()
     }
 
     /// The numbers of the frames that a receiver got, each whole.
-    fn received(&self, set: usize) -> Vec<u64> {
+    pub fn received(&self, set: usize) -> Vec<u64> {
         self.numbers(set).unwrap_or_else(|number| panic!("frame {number} is torn"))
     }
 
     /// The numbers of the frames that a receiver got, or that of one that is not whole; what begins without a first pixel is left
     /// out, as is the last one where it has not ended.
-    fn numbers(&self, set: usize) -> Result<Vec<u64>, u64> {
+    pub fn numbers(&self, set: usize) -> Result<Vec<u64>, u64> {
         let beats = &self.receivers[set].beats;
         let starts: Vec<usize> = (0..beats.len()).filter(|at| beats[*at].user).collect();
         let ends = starts.iter().skip(1).copied().chain([beats.len()]);
@@ -219,20 +219,6 @@ impl Rig {
             if beats[*start..end] == frame(number) { Ok(number) } else { Err(number) }
         };
         whole.map(number).collect()
-    }
-}
-
-#[test]
-fn after_a_reset_no_buffer_is_read_and_the_first_one_is_written() {
-    let mut rig = Rig::new(&source(), Behaviour::ideal(), 5).unwrap();
-    for set in [0, 1, 0] {
-        rig.senders[set].beats.extend(frame(1));
-        while rig.count("dram_write_aw_valid_o") == 0 {
-            rig.steps(1).unwrap();
-        }
-        assert_eq!(rig.count("dram_write_aw_addr_o"), u64::from(frames(set as u32).buffers[0]));
-        rig.senders[set].beats.clear();
-        rig.reset_all(20).unwrap();
     }
 }
 
@@ -442,45 +428,6 @@ fn every_slave_that_the_standard_allows_is_served() {
                 assert!(received.is_sorted() && received.last() == Some(&11), "{coupling:?}: {received:?}");
             }
         }
-    }
-}
-
-/// Frames, a reset of the agents (with `memory_too`, of the memory) at a random moment, and the same frames once more.
-fn reset_in_between(source: &Source, behaviour: Behaviour, seed: u64, memory_too: bool) -> Result<(), Error> {
-    let mut rig = Rig::new(source, behaviour, seed)?;
-    let draw = &mut Draw::new(seed);
-    for number in 1..20 {
-        rig.senders.iter_mut().for_each(|sender| sender.beats.extend(frame(number)));
-    }
-    rig.steps(draw.whole(1, 6_000) as usize)?;
-    let cycles = draw.whole(1, 5) as usize;
-    if memory_too {
-        rig.reset_all(cycles)?
-    } else {
-        rig.reset(cycles)?
-    }
-    rig.receivers.iter_mut().for_each(|receiver| receiver.beats.clear());
-    for number in 20..24 {
-        rig.senders.iter_mut().for_each(|sender| sender.beats.extend(frame(number)));
-    }
-    rig.finish()?;
-    rig.steps(40_000)?;
-    for set in 0..2 {
-        let received = rig.numbers(set).map_err(|torn| Error::Stopped(format!("frame {torn} is torn")))?;
-        if !received.is_sorted() || received.last() != Some(&23) {
-            return Err(Error::Stopped(format!("seed {seed}: {received:?}")));
-        }
-    }
-    Ok(())
-}
-
-#[test]
-fn after_a_reset_at_any_moment_frames_are_whole_again() {
-    let source = source();
-    for seed in 0..12 {
-        let coupling = [Coupling::Free, Coupling::AddressWaits, Coupling::DataWaits][seed as usize % 3];
-        let behaviour = if seed % 2 == 0 { Behaviour::hard(seed) } else { Behaviour::starving(seed) };
-        reset_in_between(&source, Behaviour { coupling, ..behaviour }, seed, seed % 4 == 3).unwrap();
     }
 }
 

@@ -1,5 +1,6 @@
 //! All tests of this crate in one program: what they share is compiled once, and two cores are kept busy to the end.
 
+mod agent_resets;
 mod agents;
 mod blocks;
 mod board;
