@@ -14,6 +14,7 @@ mod hardware;
 mod in_vain;
 mod kept;
 mod litex_shell;
+mod lock_files;
 mod optics;
 mod other_kinds;
 mod overwriting;
