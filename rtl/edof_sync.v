@@ -3,7 +3,7 @@
 // A change arrives in the second or third cycle; bits that change together may arrive one cycle apart. So the bits are
 // independent levels or a Gray code; each comes straight from a register. There is no reset: to_o follows the level of from_i.
 // With EDOF_METASTABLE (simulation) a bit that changes is seen in this cycle or in the next, at random. Where from_i changed more than once
-// in a cycle, the last change alone is in doubt: bits that leave together arrive less than a cycle of their own clock apart (set_bus_skew).
+// in a cycle, the last change alone is in doubt: bits of a Gray code arrive less than a cycle of their own clock apart (set_bus_skew).
 `default_nettype none
 
 module edof_sync #(

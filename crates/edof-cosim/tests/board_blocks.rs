@@ -112,8 +112,8 @@ fn i2c_master() {
     });
 }
 
-/// The cycles of a free bus before the first start condition of a transfer that is asked for in the master's first idle cycle, after this many cycles of a transfer
-/// whose clock line was held for so long, or after none.
+/// The cycles from the master's first idle cycle, in which a transfer is asked for, to its start condition. Before it there was none, or one whose clock
+/// line was held; `held` has the cycle of that and how long.
 fn free_cycles(bench: &mut Bench, held: Option<(usize, usize)>) -> usize {
     let steps_until = |bench: &mut Bench, port: &str, level: u64| {
         (0..20_000).find(|_| {

@@ -28,7 +28,7 @@ impl Trial {
         let setup = Setup::new(design(8, 8, (32, 24)));
         let frames = drawn(setup.design.frame, 60, seed).unwrap();
         let pictures = setup.pictures(&frames, 0, DisplayMode::Colour);
-        let checks = FrameChecks::new(&setup, &frames);
+        let checks = FrameChecks::new(&setup, &frames, 0, DisplayMode::Colour);
         let mut rig = setup.start(&frames, seed);
         rig.send(1).unwrap();
         rig.show(2).unwrap();

@@ -1,6 +1,7 @@
 //! What the board's other clocks and parts tell the host stands in the register that the map names: counts are the golden model's, cycles those of the clocks.
 
 use crate::edof_core::{Setup, design};
+use crate::frame_checks::FrameChecks;
 use crate::planted_faults::replaced;
 use edof_cosim::bench::axi_lite::Access;
 use edof_cosim::system::{Rig, RigConfig, drawn};
@@ -79,8 +80,7 @@ fn counts_of_a_frame_are_the_models_with_either_bank() {
         let expected =
             [made.counts.patches, made.counts.saturated_sums, shown.clamped_chroma, shown.out_of_gamut];
         println!("set {set}, {mode}: {expected:?}");
-        let checks = golden.checks(&display, &carried(&frame)).unwrap();
-        let checks = [checks.raw, checks.windows, checks.codes, checks.codes];
+        let checks = FrameChecks::new(&setup, std::slice::from_ref(&frame), set, mode);
         let counts = |rig: &mut Rig| names.map(|name| u64::from(rig.register(name).unwrap()));
         rig.control(mode, set).unwrap();
         rig.send(sent + 4).unwrap();
@@ -89,10 +89,7 @@ fn counts_of_a_frame_are_the_models_with_either_bank() {
         rig.send(sent + 10).unwrap();
         sent += 10;
         let after = counts(&mut rig);
-        // The latest whole frame at each boundary.
-        rig.access(Access::Write(WEIGHTS.word(memory::SNAPSHOT), 0)).unwrap();
-        let shown = ["check_raw", "check_windows", "check_codes", "check_sent"];
-        assert_eq!(shown.map(|name| rig.register(name).unwrap()), checks);
+        checks.hold(&mut rig, 0, &format!("set {set}, {mode}"));
         // Whole frames, and a part of one at each end.
         for (at, name) in names.into_iter().enumerate() {
             let [found, of_one] = [after[at] - before[at], expected[at]];

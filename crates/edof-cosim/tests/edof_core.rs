@@ -3,7 +3,6 @@
 //! `edof reconstruct --board` writes for one of the frames.
 
 use crate::common::{committed, networks};
-use crate::memory_loss::{RAW_READER, burst_begins};
 use crate::support;
 use edof_cosim::bench::Behaviour;
 use edof_cosim::bench::axi_lite::Access;
@@ -297,6 +296,22 @@ fn whatever_happens_no_picture_is_torn_and_the_right_counter_counts() {
         rig.memory.behaviour = Behaviour::hard(4);
         recovers(&mut rig, "reset");
     }
+}
+
+/// The third of the agents: the writers of raw frames and pictures, the readers of both.
+const RAW_READER: usize = 2;
+
+/// Until an agent asks for a burst.
+pub fn burst_begins(rig: &mut Rig, agent: usize) {
+    let write = ["dram_write_aw_valid_o", "dram_write_aw_id_o"];
+    let [valid, id] = [write, ["dram_read_ar_valid_o", "dram_read_ar_id_o"]][agent / 2];
+    for _ in 0..1_000_000 {
+        if rig.bench.get(valid).unwrap() == 1 && rig.bench.get(id).unwrap() == agent as u64 % 2 {
+            return;
+        }
+        rig.steps(1).unwrap();
+    }
+    panic!("agent {agent} asks for no burst");
 }
 
 /// What stage 1 reads back of its shifts, as the host sees them.

@@ -12,13 +12,13 @@ use edof_image::{DisplayMode, RawFrame};
 /// Where a frame is taken, cut into windows, made into codes and sent.
 const NAMES: [&str; 4] = ["check_raw", "check_windows", "check_codes", "check_sent"];
 
-/// Of each frame in colour, with the first set of weights.
+/// Of each frame, with one set of weights and one mode.
 pub struct FrameChecks(Vec<[u32; 4]>);
 
 impl FrameChecks {
-    pub fn new(setup: &Setup, frames: &[RawFrame]) -> Self {
-        let golden = Golden::new(setup.sets[0].clone()).unwrap();
-        let display = Display::new(DisplayMode::Colour, Curve::Srgb);
+    pub fn new(setup: &Setup, frames: &[RawFrame], set: usize, mode: DisplayMode) -> Self {
+        let golden = Golden::new(setup.sets[set].clone()).unwrap();
+        let display = Display::new(mode, Curve::Srgb);
         let of_frame = |frame| {
             let checks = golden.checks(&display, &carried(frame)).unwrap();
             [checks.raw, checks.windows, checks.codes, checks.codes]

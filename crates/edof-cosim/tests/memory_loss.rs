@@ -1,6 +1,6 @@
 //! A memory that loses what it holds while the core continues.
 
-use crate::edof_core::{Setup, design, is_whole_or_cut, shifts};
+use crate::edof_core::{Setup, burst_begins, design, is_whole_or_cut, shifts};
 use crate::frame_checks::FrameChecks;
 use edof_cosim::bench::Behaviour;
 use edof_cosim::system::{Rig, drawn};
@@ -22,19 +22,6 @@ fn stays_down(rig: &mut Rig, generated: u32) {
     assert!(whole.iter().all(|pixel| *pixel == BLACK_PIXEL));
 }
 
-/// The third of the agents: the writers of raw frames and pictures, the readers of both.
-pub const RAW_READER: usize = 2;
-
-/// Until an agent asks for a burst.
-pub fn burst_begins(rig: &mut Rig, agent: usize) {
-    let [valid, id] =
-        [["dram_write_aw_valid_o", "dram_write_aw_id_o"], ["dram_read_ar_valid_o", "dram_read_ar_id_o"]]
-            [agent / 2];
-    while rig.bench.get(valid).unwrap() == 0 || rig.bench.get(id).unwrap() != agent as u64 % 2 {
-        rig.steps(1).unwrap();
-    }
-}
-
 /// A reset in the middle of bursts, short or long. What the memory held is gone, so no picture of before is shown.
 #[test]
 fn a_memory_that_is_lost_takes_its_frames_along_and_nothing_else() {
@@ -42,7 +29,7 @@ fn a_memory_that_is_lost_takes_its_frames_along_and_nothing_else() {
     let draw = &mut Draw::new(10);
     let frames = drawn(setup.design.frame, 7 * LOSSES, 10).unwrap();
     let pictures = setup.pictures(&frames, 0, DisplayMode::Colour);
-    let checks = FrameChecks::new(&setup, &frames);
+    let checks = FrameChecks::new(&setup, &frames, 0, DisplayMode::Colour);
     let generated = Shifts::of(&setup.sets[1], &setup.design.stage(1)).word();
     let mut rig = setup.start(&frames, 10);
     rig.send(1).unwrap();

@@ -31,7 +31,7 @@ use rust_hdl::prelude::*;
 /// picture ([`StreamCore`]), that of the screen. `reset` may come at any time; each domain has its own that follows it. A clock that was lost
 /// resets its own domain alone: the screen's (`screen_reset`), the calculator's (`calculator_reset`, or when it is seen to stand still), whose
 /// frame is dropped on both sides. Every reset except the first preserves what the host wrote into the calculator, and which bank is in use. A
-/// memory that stops to serve (`dram_ready`) resets its agents alone, and the frames that it held are gone. The memory has one AXI4 port, the
+/// memory that stops serving (`dram_ready`) resets its agents alone, and the frames that it held are gone. The memory has one AXI4 port, the
 /// host one of AXI4-Lite (`edof_device::registers`), both in the memory's clock. Nothing here knows of a vendor or a board.
 #[derive(Circuit)]
 #[circuit(
