@@ -44,6 +44,7 @@ route           scripts/test-route.sh
 litex           scripts/test-litex.sh
 litex-target    scripts/test-litex-target.sh
 peers           scripts/test-peers.sh
+gpu             scripts/test-gpu.sh
 proofs          scripts/prove.sh --all
 mutants-1       scripts/mutants.sh --draw 100 --seed 2018 --core
 mutants-2       scripts/mutants.sh --draw 100 --seed 2019 --core

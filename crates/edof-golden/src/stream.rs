@@ -5,10 +5,9 @@ use crate::frame::{Golden, GoldenFrame};
 use crate::overlap_add::{Band, Lines, empty_frame};
 use crate::trace::Counts;
 use crate::windows::Mirrored;
+use edof_image::RawFrame;
 use edof_image::geometry::{GeometryError, PATCH};
-use edof_image::{CfaPhase, RawFrame};
 use rayon::prelude::*;
-use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
@@ -84,13 +83,7 @@ impl<'a> Stream<'a> {
     /// [`GeometryError`] for frames too small for a window.
     pub fn frame(&mut self, raw: &RawFrame) -> Result<&GoldenFrame, GeometryError> {
         self.golden.geometry().check_frame(raw.size())?;
-        let (aligned, offset) = match raw.phase() {
-            CfaPhase::Rggb => (Cow::Borrowed(raw), (0, 0)),
-            _ => {
-                let (aligned, offset) = raw.to_rggb();
-                (Cow::Owned(aligned), offset)
-            }
-        };
+        let (aligned, offset) = raw.to_rggb();
         let (golden, last) = (self.golden, &mut self.last);
         let (height, width) = aligned.size();
         if last.frame.luma.dim() != (height, width) {

@@ -144,16 +144,21 @@ impl Device {
         written.map_err(refused(&self.name, "writing its memory")).map(drop)
     }
 
+    /// The first elements of a buffer, as many as `data` has.
+    pub(crate) fn read_into<T: Element>(&self, buffer: &Buffer<T>, data: &mut [T]) -> Result<(), GpuError> {
+        assert!(data.len() <= buffer.length, "more elements than the buffer has");
+        if data.is_empty() {
+            return Ok(());
+        }
+        // SAFETY: the buffer holds as many elements, any bits are a number of these types, and the call returns when `data` is written.
+        let read = unsafe { self.queue.enqueue_read_buffer(&buffer.memory, CL_BLOCKING, 0, data, &[]) };
+        read.map_err(refused(&self.name, "reading its memory")).map(drop)
+    }
+
     /// The first `length` elements of a buffer.
     pub(crate) fn read<T: Element>(&self, buffer: &Buffer<T>, length: usize) -> Result<Vec<T>, GpuError> {
-        assert!(length <= buffer.length, "more elements than the buffer has");
         let mut data = vec![T::default(); length];
-        if length > 0 {
-            // SAFETY: the buffer holds as many elements, any bits are a number of these types, and the call returns when `data` is written.
-            let read =
-                unsafe { self.queue.enqueue_read_buffer(&buffer.memory, CL_BLOCKING, 0, &mut data, &[]) };
-            read.map_err(refused(&self.name, "reading its memory"))?;
-        }
+        self.read_into(buffer, &mut data)?;
         Ok(data)
     }
 

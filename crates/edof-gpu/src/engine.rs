@@ -6,6 +6,7 @@ use edof_image::{Geometry, RawFrame};
 use edof_network::network::{Form, Recurrence, Shrinkage};
 use ndarray::Array2;
 use opencl3::program::Program;
+use std::sync::Mutex;
 
 /// What a work-item makes of one patch, as in `network.cl`.
 const ROWS: usize = 8;
@@ -18,6 +19,8 @@ const PATCHES: usize = 16 * 1024;
 pub(crate) trait Word: Element {
     /// Sum of overlapping patches.
     type Total: Element;
+    /// Patches of a work-item, `EACH` in `network.cl`.
+    const EACH: usize;
     /// Options of the compiler.
     const OPTIONS: &str;
 }
@@ -25,13 +28,16 @@ pub(crate) trait Word: Element {
 /// The contract's words.
 impl Word for i16 {
     type Total = i32;
-    const OPTIONS: &str = "-cl-std=CL1.2 -D FIXED";
+    // Sums of 64 bits of more patches do not fit the registers of a GPU.
+    const EACH: usize = 1;
+    const OPTIONS: &str = "-cl-std=CL1.2 -D FIXED -D EACH=1";
 }
 
 /// The float network's numbers.
 impl Word for f32 {
     type Total = f32;
-    const OPTIONS: &str = "-cl-std=CL1.2";
+    const EACH: usize = 4;
+    const OPTIONS: &str = "-cl-std=CL1.2 -D EACH=4";
 }
 
 /// Shifts of a stage; none of floats.
@@ -102,10 +108,47 @@ pub(crate) struct Workspace<T> {
     pub(crate) y: Buffer<T>,
     pub(crate) stages: Vec<Words<T>>,
     pub(crate) out: Buffer<T>,
-    /// Counters of I, each M, F.
+    /// Counters of I, each M, F: [`COUNTERS`] times `slots`.
     pub(crate) counts: Vec<Buffer<u32>>,
     /// Patches from one element to the next.
     pub(crate) pitch: usize,
+    /// Counters of each kind. A patch counts in that of its number modulo `slots`.
+    pub(crate) slots: usize,
+}
+
+/// A device's memory for the frames of one size.
+pub(crate) struct FrameMemory<T: Word> {
+    size: (usize, usize),
+    pixels: Buffer<u16>,
+    /// Sums of overlapping patches over each pixel, plane by plane.
+    pub(crate) sums: [Buffer<T::Total>; 3],
+    room: Workspace<T>,
+}
+
+impl<T: Word> FrameMemory<T> {
+    /// Rows and columns.
+    pub(crate) const fn size(&self) -> (usize, usize) {
+        self.size
+    }
+}
+
+/// What a frame used, for the next one. Of two frames at a time, one reserves anew.
+pub(crate) struct Kept<M>(Mutex<Option<M>>);
+
+impl<M> Kept<M> {
+    pub(crate) const fn nothing() -> Self {
+        Self(Mutex::new(None))
+    }
+
+    pub(crate) fn take(&self) -> Option<M> {
+        self.0.lock().ok()?.take()
+    }
+
+    pub(crate) fn keep(&self, memory: M) {
+        if let Ok(mut kept) = self.0.lock() {
+            *kept = Some(memory);
+        }
+    }
 }
 
 /// What a stage made.
@@ -117,6 +160,9 @@ pub(crate) struct Words<T> {
 
 /// Counters of a patch and stage, in the order of `network.cl`.
 pub(crate) const COUNTERS: usize = 4;
+
+/// Counters of each kind that a frame's patches share: enough that few of them wait for one another, and few to read.
+const SLOTS: usize = 1024;
 
 impl<T: Word> Engine<T> {
     pub(crate) fn new(
@@ -149,8 +195,8 @@ impl<T: Word> Engine<T> {
         })
     }
 
-    /// Room for `pitch` patches.
-    pub(crate) fn room(&self, pitch: usize) -> Result<Workspace<T>, GpuError> {
+    /// Room for `pitch` patches, with `slots` counters of each kind.
+    pub(crate) fn room(&self, pitch: usize, slots: usize) -> Result<Workspace<T>, GpuError> {
         let device = &self.device;
         let codes = || device.buffer(self.form.codes * pitch);
         let words = |_| Ok(Words { b: codes()?, z: codes()?, sent: codes()? });
@@ -159,9 +205,10 @@ impl<T: Word> Engine<T> {
             stages: (0..self.form.shrinkages()).map(words).collect::<Result<_, GpuError>>()?,
             out: device.buffer(self.rows * pitch)?,
             counts: (0..self.form.layers)
-                .map(|_| device.buffer(COUNTERS * pitch))
+                .map(|_| device.buffer(COUNTERS * slots))
                 .collect::<Result<_, _>>()?,
             pitch,
+            slots,
         })
     }
 
@@ -212,9 +259,10 @@ impl<T: Word> Engine<T> {
                 (&here.b).into(),
                 (&here.z).into(),
                 (&here.sent).into(),
+                room.slots.into(),
                 (&room.counts[t]).into(),
             ],
-            [patches, padded / ROWS],
+            [patches.div_ceil(T::EACH), padded / ROWS],
         )
     }
 
@@ -239,41 +287,52 @@ impl<T: Word> Engine<T> {
                 self.outputs.linear_path.into(),
                 self.outputs.result.into(),
                 (&room.out).into(),
+                room.slots.into(),
                 (&room.counts[last + 1]).into(),
             ],
-            [patches, self.rows / ROWS],
+            [patches.div_ceil(T::EACH), self.rows / ROWS],
         )
     }
 
-    /// Sums of overlapping patches over each pixel of a red-first frame that fits the geometry, plane by plane. `ran(room, patches)` sees
-    /// each lot of patches.
+    /// Memory for frames of a size that fits the geometry.
+    pub(crate) fn memory(
+        &self,
+        (height, width): (usize, usize),
+        planes: [Plane; 3],
+    ) -> Result<FrameMemory<T>, GpuError> {
+        let (rows, columns) = self.geometry.patches(height, width);
+        let pitch = (PATCHES / columns).clamp(1, rows) * columns;
+        self.check_size(height * width, pitch)?;
+        let sums = |plane: Plane| self.device.buffer(height * plane.width(width));
+        Ok(FrameMemory {
+            size: (height, width),
+            pixels: self.device.buffer(height * width)?,
+            sums: [sums(planes[0])?, sums(planes[1])?, sums(planes[2])?],
+            room: self.room(pitch, SLOTS)?,
+        })
+    }
+
+    /// Leaves in `memory` the sums of a red-first frame of its size. `ran(room, patches)` sees each lot of patches.
     pub(crate) fn sums(
         &self,
+        memory: &mut FrameMemory<T>,
         raw: &RawFrame,
         planes: [Plane; 3],
         mut ran: impl FnMut(&Workspace<T>, usize) -> Result<(), GpuError>,
-    ) -> Result<[Buffer<T::Total>; 3], GpuError> {
-        let (height, width) = raw.size();
-        let (rows, columns) = self.geometry.patches(height, width);
-        let rows_at_once = (PATCHES / columns).clamp(1, rows);
-        let pitch = rows_at_once * columns;
-        self.check_size(raw, pitch)?;
-        let pixels = self.device.upload(&raw.pixels().iter().copied().collect::<Vec<_>>())?;
-        let plane = |plane: Plane| {
-            let mut sums = self.device.buffer(height * plane.width(width))?;
-            self.device.clear(&mut sums).map(|()| sums)
-        };
-        let sums = [plane(planes[0])?, plane(planes[1])?, plane(planes[2])?];
-        let mut room = self.room(pitch)?;
+    ) -> Result<(), GpuError> {
+        let FrameMemory { size, pixels, sums, room } = memory;
+        let (rows, columns) = self.geometry.patches(size.0, size.1);
+        self.device.write(pixels, raw.pixels().as_standard_layout().as_slice().unwrap_or_default())?;
+        sums.iter_mut().try_for_each(|sums| self.device.clear(sums))?;
+        let rows_at_once = room.pitch / columns;
         for first in (0..rows).step_by(rows_at_once) {
-            let lot =
-                PatchBatch { first, rows: rows_at_once.min(rows - first), columns, size: (height, width) };
-            self.windows(&pixels, &room, &lot)?;
-            self.run(&mut room, lot.rows * columns)?;
-            planes.iter().zip(&sums).try_for_each(|(plane, sums)| self.overlap(&room, &lot, *plane, sums))?;
-            ran(&room, lot.rows * columns)?;
+            let lot = PatchBatch { first, rows: rows_at_once.min(rows - first), columns, size: *size };
+            self.windows(pixels, room, &lot)?;
+            self.run(room, lot.rows * columns)?;
+            planes.iter().zip(&*sums).try_for_each(|(plane, sums)| self.overlap(room, &lot, *plane, sums))?;
+            ran(room, lot.rows * columns)?;
         }
-        Ok(sums)
+        Ok(())
     }
 
     /// Cuts the windows of a lot out of a frame.
@@ -337,14 +396,13 @@ impl<T: Word> Engine<T> {
     }
 
     /// Whether a frame's buffers, and the words of `pitch` patches, fit the device, and its pixels the kernels' 32-bit counts.
-    fn check_size(&self, raw: &RawFrame, pitch: usize) -> Result<(), GpuError> {
-        if i32::try_from(raw.pixels().len()).is_err() {
-            return Err(GpuError::TooManyPixels(raw.pixels().len()));
+    fn check_size(&self, pixels: usize, pitch: usize) -> Result<(), GpuError> {
+        if i32::try_from(pixels).is_err() {
+            return Err(GpuError::TooManyPixels(pixels));
         }
         let boundaries = self.form.window.pixels() + 3 * self.form.codes * self.form.shrinkages() + self.rows;
-        let counters = COUNTERS * self.form.layers * size_of::<u32>();
         let pixel = size_of::<u16>() + 3 * size_of::<T::Total>() + 3 * size_of::<T>();
-        let needed = pitch * (boundaries * size_of::<T>() + counters) + raw.pixels().len() * pixel;
+        let needed = pitch * boundaries * size_of::<T>() + pixels * pixel;
         self.device.check_memory(needed as u64)
     }
 }

@@ -1,7 +1,9 @@
 //! The fixed-point network on a device: the words and counters of [`edof_golden::Golden`], bit for bit.
 
 use crate::device::{Buffer, Device, GpuError};
-use crate::engine::{COUNTERS, EVEN, Engine, Matrices, OutputShifts, Plane, StageShifts, Workspace};
+use crate::engine::{
+    COUNTERS, EVEN, Engine, FrameMemory, Kept, Matrices, OutputShifts, Plane, StageShifts, Workspace,
+};
 use edof_golden::overlap_add::empty_frame;
 use edof_golden::{Counts, GoldenFrame, LayerWords, StageCounts, Trace};
 use edof_image::colour::OUTPUTS_422;
@@ -9,6 +11,7 @@ use edof_image::frame::Frame422;
 use edof_image::geometry::{PATCH, PATCH_PIXELS};
 use edof_image::{Geometry, RawFrame, ReconstructError, Reconstruction, Reconstructor};
 use edof_network::FixedNetwork;
+use ndarray::Array2;
 use std::time::Instant;
 
 /// Luma, Cb, Cr.
@@ -36,6 +39,16 @@ pub struct GpuGolden {
     network: FixedNetwork,
     geometry: Geometry,
     name: String,
+    /// What the last frame used, for the next one of its size.
+    kept: Kept<Memory>,
+}
+
+/// A device's memory for the frames of one size.
+struct Memory {
+    frame: FrameMemory<i16>,
+    /// Words of a plane.
+    words: Buffer<i16>,
+    clipped: Buffer<u32>,
 }
 
 impl GpuGolden {
@@ -47,7 +60,7 @@ impl GpuGolden {
         network.check()?;
         let geometry = Geometry::new(network.form.window, network.stride);
         let engine = Engine::new(device, &matrices(&network), geometry, &EVEN)?;
-        Ok(Self { engine, geometry, name: name.into(), network })
+        Ok(Self { engine, geometry, name: name.into(), network, kept: Kept::nothing() })
     }
 
     /// The device.
@@ -64,22 +77,37 @@ impl GpuGolden {
         self.geometry.check_frame(raw.size())?;
         let (aligned, offset) = raw.to_rggb();
         let (height, width) = aligned.size();
+        let mut memory = self.memory(height, width)?;
         let mut counts = Counts::new(self.network.form.layers);
         let count = |room: &Workspace<i16>, patches: usize| {
-            self.stages(room, patches)?.iter().for_each(|stages| counts.add(stages));
+            counts.patches += patches as u64;
+            let stages = self.stages(room)?;
+            stages
+                .iter()
+                .zip(&mut counts.stages)
+                .for_each(|(slots, sum)| slots.iter().for_each(|slot| *sum += *slot));
             Ok(())
         };
-        let sums = self.engine.sums(&aligned, PLANES, count)?;
+        self.engine.sums(&mut memory.frame, &aligned, PLANES, count)?;
         let mut frame = empty_frame(height, width);
         let Frame422 { luma, chroma: [cb, cr] } = &mut frame;
-        let mut clipped = self.engine.device.buffer(1)?;
-        self.engine.device.clear(&mut clipped)?;
-        for (plane, sums) in [luma, cb, cr].into_iter().zip(&sums) {
-            let words = self.finish(sums, plane.len(), &clipped)?;
-            plane.iter_mut().zip(words).for_each(|(at, word)| *at = word);
+        self.engine.device.clear(&mut memory.clipped)?;
+        for (plane, sums) in [luma, cb, cr].into_iter().zip(&memory.frame.sums) {
+            self.finish(sums, plane, &memory)?;
         }
-        counts.saturated_sums = self.engine.device.read(&clipped, 1)?[0].into();
+        counts.saturated_sums = self.engine.device.read(&memory.clipped, 1)?[0].into();
+        self.kept.keep(memory);
         Ok(GoldenFrame { frame, offset, size: raw.size(), counts })
+    }
+
+    /// The memory of the frame before, if that had this size.
+    fn memory(&self, height: usize, width: usize) -> Result<Memory, GpuError> {
+        if let Some(memory) = self.kept.take().filter(|kept| kept.frame.size() == (height, width)) {
+            return Ok(memory);
+        }
+        let device = &self.engine.device;
+        let frame = self.engine.memory((height, width), PLANES)?;
+        Ok(Memory { frame, words: device.buffer(height * width)?, clipped: device.buffer(1)? })
     }
 
     /// Every boundary of each window: `windows` holds `window.pixels()` input words a window, one after the other.
@@ -89,7 +117,7 @@ impl GpuGolden {
     pub fn traces(&self, windows: &[i16]) -> Result<Vec<Trace>, GpuError> {
         let pixels = self.network.form.window.pixels();
         let patches = windows.len() / pixels;
-        let mut room = self.engine.room(patches)?;
+        let mut room = self.engine.room(patches, patches)?;
         let transposed: Vec<i16> =
             (0..pixels).flat_map(|i| (0..patches).map(move |p| windows[p * pixels + i])).collect();
         self.engine.device.write(&mut room.y, &transposed)?;
@@ -102,43 +130,42 @@ impl GpuGolden {
             .map(|layer| Ok([words(&layer.b)?, words(&layer.z)?, words(&layer.sent)?]))
             .collect::<Result<_, GpuError>>()?;
         let out = self.engine.device.read(&room.out, OUTPUTS_422 * patches)?;
-        let stages = self.stages(&room, patches)?;
+        let stages = self.stages(&room)?;
         let of = |all: &[i16], patch: usize| (0..codes).map(|i| all[i * patches + patch]).collect::<Vec<_>>();
-        let trace = |(patch, stages)| Trace {
+        let trace = |patch: usize| Trace {
             input: windows[patch * pixels..][..pixels].to_vec(),
             layers: layers
                 .iter()
                 .map(|[b, z, sent]| LayerWords { b: of(b, patch), z: of(z, patch), sent: of(sent, patch) })
                 .collect(),
             output: out[patch * OUTPUTS_422..][..OUTPUTS_422].to_vec(),
-            stages,
+            stages: stages.iter().map(|slots| slots[patch]).collect(),
         };
-        Ok(stages.into_iter().enumerate().map(trace).collect())
+        Ok((0..patches).map(trace).collect())
     }
 
-    /// Counters of the first patches, patch by patch.
-    fn stages(&self, room: &Workspace<i16>, patches: usize) -> Result<Vec<Vec<StageCounts>>, GpuError> {
-        let read = |counts| self.engine.device.read(counts, COUNTERS * room.pitch);
-        let all = room.counts.iter().map(read).collect::<Result<Vec<_>, _>>()?;
-        let stage = |counts: &[u32], patch: usize| {
-            let counter = |i: usize| u64::from(counts[i * room.pitch + patch]);
-            StageCounts {
-                saturated_results: counter(0),
-                saturated_codes: counter(1),
-                saturated_differences: counter(2),
-                nonzeros: counter(3),
-            }
+    /// Counters of each stage, slot by slot.
+    fn stages(&self, room: &Workspace<i16>) -> Result<Vec<Vec<StageCounts>>, GpuError> {
+        let stage = |counts| {
+            let counts = self.engine.device.read(counts, COUNTERS * room.slots)?;
+            let counter = |i: usize, slot: usize| u64::from(counts[i * room.slots + slot]);
+            let of = |slot| StageCounts {
+                saturated_results: counter(0, slot),
+                saturated_codes: counter(1, slot),
+                saturated_differences: counter(2, slot),
+                nonzeros: counter(3, slot),
+            };
+            Ok((0..room.slots).map(of).collect())
         };
-        Ok((0..patches).map(|patch| all.iter().map(|counts| stage(counts, patch)).collect()).collect())
+        room.counts.iter().map(stage).collect()
     }
 
-    /// Words of sums.
-    fn finish(&self, sums: &Buffer<i32>, length: usize, clipped: &Buffer<u32>) -> Result<Vec<i16>, GpuError> {
+    /// Words of a plane's sums.
+    fn finish(&self, sums: &Buffer<i32>, plane: &mut Array2<i16>, memory: &Memory) -> Result<(), GpuError> {
         let device = &self.engine.device;
-        let words = device.buffer(length)?;
-        let arguments = [sums.into(), length.into(), (&words).into(), clipped.into()];
-        device.launch(&self.engine.program, "finish", &arguments, [length, 1])?;
-        device.read(&words, length)
+        let arguments = [sums.into(), plane.len().into(), (&memory.words).into(), (&memory.clipped).into()];
+        device.launch(&self.engine.program, "finish", &arguments, [plane.len(), 1])?;
+        device.read_into(&memory.words, plane.as_slice_mut().unwrap_or_default())
     }
 }
 

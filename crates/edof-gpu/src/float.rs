@@ -1,7 +1,7 @@
 //! The float network on a device: the numbers of `edof-train`'s `FloatReconstructor` in RGB, up to the rounding of sums in another order.
 
 use crate::device::{Device, GpuError};
-use crate::engine::{Engine, Matrices, OutputShifts, Plane, StageShifts};
+use crate::engine::{Engine, FrameMemory, Kept, Matrices, OutputShifts, Plane, StageShifts};
 use edof_image::colour::RGB_OUTPUTS;
 use edof_image::geometry::{PATCH, PATCH_PIXELS};
 use edof_image::overlap::Overlap;
@@ -23,6 +23,8 @@ pub struct GpuFloat {
     network: Network,
     geometry: Geometry,
     name: String,
+    /// What the last frame used, for the next one of its size.
+    kept: Kept<FrameMemory<f32>>,
 }
 
 impl GpuFloat {
@@ -35,7 +37,13 @@ impl GpuFloat {
         let geometry = Geometry::new(network.form.window, stride);
         let averaging: Vec<f32> = overlap.weights(stride).iter().map(|weight| *weight as f32).collect();
         let engine = Engine::new(device, &matrices(&network), geometry, &averaging)?;
-        Ok(Self { name: format!("{}.float.gpu", network.origin.name), engine, network, geometry })
+        Ok(Self {
+            name: format!("{}.float.gpu", network.origin.name),
+            engine,
+            network,
+            geometry,
+            kept: Kept::nothing(),
+        })
     }
 
     /// The device.
@@ -52,14 +60,18 @@ impl GpuFloat {
         let (height, width) = raw.size();
         self.geometry.check_frame((height, width))?;
         let (aligned, (row, column)) = raw.to_rggb();
-        let sums = self.engine.sums(&aligned, PLANES, |_, _| Ok(()))?;
         let (rows, columns) = aligned.size();
+        let mut memory = match self.kept.take().filter(|kept| kept.size() == (rows, columns)) {
+            Some(kept) => kept,
+            None => self.engine.memory((rows, columns), PLANES)?,
+        };
+        self.engine.sums(&mut memory, &aligned, PLANES, |_, _| Ok(()))?;
         let mut frame = ColourFrame::zeros(rows, columns);
-        for (mut plane, sums) in frame.planes.outer_iter_mut().zip(&sums) {
-            let sums = self.engine.device.read(sums, rows * columns)?;
-            plane.iter_mut().zip(sums).for_each(|(at, sum)| *at = sum);
+        for (mut plane, sums) in frame.planes.outer_iter_mut().zip(&memory.sums) {
+            self.engine.device.read_into(sums, plane.as_slice_mut().unwrap_or_default())?;
         }
-        Ok(frame.crop(row, column, height, width))
+        self.kept.keep(memory);
+        Ok(if (rows, columns) == (height, width) { frame } else { frame.crop(row, column, height, width) })
     }
 }
 

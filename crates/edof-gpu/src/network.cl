@@ -2,29 +2,30 @@
 // docs/contract.md bit for bit, without it for floats.
 //
 // Vectors of many patches stand side by side, [element][patch], `pitch` patches from one element to the next, so that neighbouring work-items
-// read neighbouring words; each work-item makes ROWS elements of one patch. Weights are [input][row], rows padded to a multiple of ROWS.
+// read neighbouring words; each work-item makes ROWS elements of EACH patches (a define), so that a weight that is read is used EACH times. Weights are
+// [input][row], rows padded to a multiple of ROWS.
 
 #define ROWS 8
 
 #ifdef FIXED
 typedef short word;
+typedef int8 weight8;
+typedef long sum;
 typedef long8 sum8;
 typedef int total;
-#define NO_SUMS ((sum8)(0))
-#define ADD_PRODUCTS(sums, weights, value) sums += convert_long8(convert_int8(vload8(0, weights)) * (int)(value))
-#define STORE(sums, array) vstore8(sums, 0, array)
-typedef long sum;
+#define WEIGHTS(from) convert_int8(vload8(0, from))
+#define ADD_PRODUCTS(sums, weights, value) sums += convert_long8(weights * (int)(value))
 #else
 typedef float word;
+typedef float8 weight8;
+typedef float sum;
 typedef float8 sum8;
 typedef float total;
-#define NO_SUMS ((sum8)(0.0f))
-#define ADD_PRODUCTS(sums, weights, value) sums = mad(vload8(0, weights), (float8)(value), sums)
-#define STORE(sums, array) vstore8(sums, 0, array)
-typedef float sum;
+#define WEIGHTS(from) vload8(0, from)
+#define ADD_PRODUCTS(sums, weights, value) sums = mad(weights, (float8)(value), sums)
 #endif
 
-// What stands in a patch's counters, in this order, a counter a stage; each [patch].
+// The counters of a stage, in this order; `slots` of each, in which the patches count in turn.
 enum { SATURATED_RESULTS, SATURATED_CODES, SATURATED_DIFFERENCES, NONZEROS };
 
 // Index inside 0…length − 1 that stands for one outside, mirrored about the edge pixel.
@@ -73,11 +74,18 @@ kernel void windows(
 #endif
 }
 
-// ROWS products of a matrix with one patch's vector.
-sum8 products(global const word *weights, int padded, global const word *vectors, int pitch, int inputs, sum8 sums) {
-    for (int i = 0; i < inputs; i++)
-        ADD_PRODUCTS(sums, weights + (size_t)i * padded, vectors[(size_t)i * pitch]);
-    return sums;
+// The patches of a work-item: as many apart as there are work-items, so that those of neighbours stand side by side. Of those that there are
+// not it makes the last again, and stores nothing.
+int own_patch(int k) { return get_global_id(0) + k * get_global_size(0); }
+
+// Adds to `sums` ROWS products of a matrix with the vector of each patch.
+void add_products(global const word *weights, int padded, global const word *vectors, int pitch, int inputs, int patches, sum8 *sums) {
+    for (int i = 0; i < inputs; i++) {
+        weight8 here = WEIGHTS(weights + (size_t)i * padded);
+#pragma unroll
+        for (int k = 0; k < EACH; k++)
+            ADD_PRODUCTS(sums[k], here, vectors[(size_t)i * pitch + min(own_patch(k), patches - 1)]);
+    }
 }
 
 // An I or M stage: b, z and what it sends. `base` is b of an earlier stage, and `before` z of the one before, where `has_base` and
@@ -86,66 +94,81 @@ kernel void stage(
     int inputs, int rows, int padded, int patches, int pitch, global const word *weights, global const word *theta,
     global const word *vectors, int has_base, int base_shift, global const word *base, int shift, int bits, int one_sided,
     int sends_difference, int has_before, global const word *before, global word *b, global word *z, global word *sent,
-    volatile global uint *counts
+    int slots, volatile global uint *counts
 ) {
-    int patch = get_global_id(0), first = get_global_id(1) * ROWS;
-    if (patch >= patches) return;
-    sum sums[ROWS];
-    STORE(products(weights + first, padded, vectors + patch, pitch, inputs, NO_SUMS), sums);
-    uint results = 0, codes = 0, differences = 0, nonzeros = 0;
-    for (int i = 0; i < ROWS && first + i < rows; i++) {
-        size_t at = (size_t)(first + i) * pitch + patch;
+    int first = get_global_id(1) * ROWS;
+    sum8 products[EACH] = {0};
+    add_products(weights + first, padded, vectors, pitch, inputs, patches, products);
+#pragma unroll
+    for (int k = 0; k < EACH; k++) {
+        if (own_patch(k) >= patches) continue;
+        sum sums[ROWS];
+        vstore8(products[k], 0, sums);
+        uint results = 0, codes = 0, differences = 0, nonzeros = 0;
+        for (int i = 0; i < ROWS && first + i < rows; i++) {
+            size_t at = (size_t)(first + i) * pitch + own_patch(k);
 #ifdef FIXED
-        word here = rounded(sums[i] + (has_base ? (long)base[at] << base_shift : 0), shift, bits, &results);
+            word here = rounded(sums[i] + (has_base ? (long)base[at] << base_shift : 0), shift, bits, &results);
 #else
-        word here = sums[i] + (has_base ? base[at] : 0);
+            word here = sums[i] + (has_base ? base[at] : 0);
 #endif
-        word code = shrunk(here, theta[first + i], one_sided, bits, &codes);
-        word out = code;
-        if (sends_difference && has_before) {
+            word code = shrunk(here, theta[first + i], one_sided, bits, &codes);
+            word out = code;
+            if (sends_difference && has_before) {
 #ifdef FIXED
-            out = saturated((long)code - before[at], bits, &differences);
+                out = saturated((long)code - before[at], bits, &differences);
 #else
-            out = code - before[at];
+                out = code - before[at];
 #endif
+            }
+            nonzeros += out != 0;
+            b[at] = here;
+            z[at] = code;
+            sent[at] = out;
         }
-        nonzeros += out != 0;
-        b[at] = here;
-        z[at] = code;
-        sent[at] = out;
+        volatile global uint *slot = counts + own_patch(k) % slots;
+        if (results) atomic_add(slot + SATURATED_RESULTS * slots, results);
+        if (codes) atomic_add(slot + SATURATED_CODES * slots, codes);
+        if (differences) atomic_add(slot + SATURATED_DIFFERENCES * slots, differences);
+        if (nonzeros) atomic_add(slot + NONZEROS * slots, nonzeros);
     }
-    if (results) atomic_add(counts + SATURATED_RESULTS * pitch + patch, results);
-    if (codes) atomic_add(counts + SATURATED_CODES * pitch + patch, codes);
-    if (differences) atomic_add(counts + SATURATED_DIFFERENCES * pitch + patch, differences);
-    if (nonzeros) atomic_add(counts + NONZEROS * pitch + patch, nonzeros);
 }
 
 // F: D z + R y, patch after patch with `rows` (a multiple of ROWS) words each.
 kernel void outputs(
     int codes, int pixels, int rows, int patches, int pitch, global const word *dictionary, global const word *z,
     int dictionary_shift, int has_linear, global const word *linear, global const word *y, int linear_shift, int shift,
-    global word *out, volatile global uint *counts
+    global word *out, int slots, volatile global uint *counts
 ) {
-    int patch = get_global_id(0), first = get_global_id(1) * ROWS;
-    if (patch >= patches) return;
-    sum8 both = products(dictionary + first, rows, z + patch, pitch, codes, NO_SUMS);
-    sum words[ROWS];
+    int first = get_global_id(1) * ROWS;
+    sum8 both[EACH] = {0};
+    add_products(dictionary + first, rows, z, pitch, codes, patches, both);
 #ifdef FIXED
-    both <<= (long8)(dictionary_shift);
-    if (has_linear) both += products(linear + first, rows, y + patch, pitch, pixels, NO_SUMS) << (long8)(linear_shift);
-#else
-    if (has_linear) both = products(linear + first, rows, y + patch, pitch, pixels, both);
-#endif
-    STORE(both, words);
-    uint results = 0;
-    for (int i = 0; i < ROWS; i++) {
-#ifdef FIXED
-        out[(size_t)patch * rows + first + i] = rounded(words[i], shift, 16, &results);
-#else
-        out[(size_t)patch * rows + first + i] = words[i];
-#endif
+    for (int k = 0; k < EACH; k++) both[k] <<= (long8)(dictionary_shift);
+    if (has_linear) {
+        sum8 of_linear[EACH] = {0};
+        add_products(linear + first, rows, y, pitch, pixels, patches, of_linear);
+        for (int k = 0; k < EACH; k++) both[k] += of_linear[k] << (long8)(linear_shift);
     }
-    if (results) atomic_add(counts + SATURATED_RESULTS * pitch + patch, results);
+#else
+    if (has_linear) add_products(linear + first, rows, y, pitch, pixels, patches, both);
+#endif
+#pragma unroll
+    for (int k = 0; k < EACH; k++) {
+        if (own_patch(k) >= patches) continue;
+        sum words[ROWS];
+        vstore8(both[k], 0, words);
+        uint results = 0;
+        for (int i = 0; i < ROWS; i++) {
+            size_t at = (size_t)own_patch(k) * rows + first + i;
+#ifdef FIXED
+            out[at] = rounded(words[i], shift, 16, &results);
+#else
+            out[at] = words[i];
+#endif
+        }
+        if (results) atomic_add(counts + SATURATED_RESULTS * slots + own_patch(k) % slots, results);
+    }
 }
 
 // Adds the words that some rows of patches have of one plane to its sums. The plane has `block` columns and 8 rows a patch, which start at

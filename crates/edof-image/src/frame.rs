@@ -3,6 +3,7 @@
 use crate::cfa::CfaPhase;
 use crate::geometry::{GeometryError, mirror};
 use ndarray::{Array2, Array3, ArrayView2};
+use std::borrow::Cow;
 
 /// A raw Bayer frame. Words of 16 bits hold `depth` bits aligned to the top; full scale (1.0 in linear light) is 65536.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -102,14 +103,17 @@ impl RawFrame {
     /// The frame as every network wants it, red first: other phases get a mirrored row or column before the first and after
     /// the last. The second value says how many rows and columns (0 or 1) came before; results are cropped by as many.
     #[must_use]
-    pub fn to_rggb(&self) -> (Self, (usize, usize)) {
+    pub fn to_rggb(&self) -> (Cow<'_, Self>, (usize, usize)) {
         let (dr, dc) = self.phase.red_site();
+        if (dr, dc) == (0, 0) {
+            return (Cow::Borrowed(self), (0, 0));
+        }
         let (height, width) = self.size();
         let pixels = Array2::from_shape_fn((height + 2 * dr, width + 2 * dc), |(r, c)| {
             let row = mirror(r as isize - dr as isize, height);
             self.pixels[(row, mirror(c as isize - dc as isize, width))]
         });
-        (Self { pixels, depth: self.depth, phase: CfaPhase::Rggb }, (dr, dc))
+        (Cow::Owned(Self { pixels, depth: self.depth, phase: CfaPhase::Rggb }), (dr, dc))
     }
 }
 
