@@ -133,6 +133,11 @@ module prove (
                 assume (reads < 2 || !asked);
                 own_writes <= (reset_i || memory_reset_i) ? 0 : own_writes + accepted - (b_valid[of] && b_ready_i[of]);
                 own_reads <= (reset_i || memory_reset_i) ? 0 : own_reads + asked - (r_valid[of] && r_ready_i[of] && dram_r_last_i);
+                // The turn passes only to who asks.
+                if (started && $past(started && !reset_i)) begin
+                    if ($past(aw_ready[1 - of] && !aw_valid_i[of])) assert (!aw_ready[of]);
+                    if ($past(ar_ready[1 - of] && !ar_valid_i[of])) assert (!ar_ready[of]);
+                end
                 if (started && !memory_reset_i && !reset_i) begin
                     assert (!b_valid[of] || (own_writes != 0 && b_of));
                     assert (!r_valid[of] || (own_reads != 0 && r_of));

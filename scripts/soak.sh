@@ -51,6 +51,7 @@ mutants-2       scripts/mutants.sh --draw 100 --seed 2019 --core
 mutants-3       scripts/mutants.sh --draw 100 --seed 2020 --core
 mutants-4       scripts/mutants.sh --draw 100 --seed 2021 --core
 mutants-5       scripts/mutants.sh --draw 100 --seed 2022 --core
+mutants-6       scripts/mutants.sh --draw 100 --seed 2023 --core
 mutants-golden  scripts/rust-mutants.sh edof-golden 200
 mutants-quantize scripts/rust-mutants.sh edof-quantize 200
 fuzz-1          scripts/fuzz.sh 5 design camera pnm picture

@@ -77,3 +77,11 @@ fn random_programs_are_carried_out_as_the_model_does() {
         assert_eq!(slots, [0x3322_1100, 0x7766_5544, 0xbbaa_9988]);
     }
 }
+
+#[test]
+fn no_chip_is_named_before_one_is_spoken_to() {
+    let program = [Action::Wait(1), Action::Done].map(|action| Entry { action, doc: "speaks to nobody" });
+    let mut rig = Rig::new(&program, Chips::default(), 30);
+    rig.done();
+    assert_eq!(rig.get("word_o") >> 10 & 0x7f, 0, "the device");
+}
