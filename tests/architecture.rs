@@ -292,7 +292,7 @@ const NETWORKS: &[&str] =
 const RESERVED: &[(&str, &[&str])] = &[
     ("clap", &["edof-cli"]),
     // Pictures. The golden pipeline's tests read photographs.
-    ("image", &["edof-io", "edof-report", "edof-study", "edof-golden", "edof-gpu"]),
+    ("image", &["edof-io", "edof-report", "edof-study", "edof-golden"]),
     ("csv", &["edof-report"]),
     ("libloading", &["edof-cosim"]),
     ("maud", &["edof-report"]),

@@ -68,9 +68,11 @@ def main():
 
     resident = words.cuda()
     result = {"network": stem, "size": [height, width], "gpu": torch.cuda.get_device_name(), "torch": torch.__version__, "rounds": []}
-    with tempfile.NamedTemporaryFile() as file, torch.inference_mode():
+    with tempfile.NamedTemporaryFile() as frame, tempfile.NamedTemporaryFile() as file, torch.inference_mode():
+        raw.tofile(frame.name)
+        args = [program, stem, frame.name, str(width), str(FRAMES), file.name]
         for _ in range(int(rounds)):
-            one = json.loads(subprocess.run([program, stem, raw_path, str(FRAMES), file.name], check=True, capture_output=True, text=True).stdout)
+            one = json.loads(subprocess.run(args, check=True, capture_output=True, text=True).stdout)
             for name, tf32 in (("float32", False), ("TF32", True)):
                 torch.backends.cuda.matmul.allow_tf32 = tf32
                 one[f"PyTorch, {name}"] = rate(lambda: there(words).cpu())

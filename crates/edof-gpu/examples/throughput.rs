@@ -1,8 +1,8 @@
 //! Frames per second on a device, raw frame in the processor's memory to picture there.
 //!
-//! `cargo run --release -p edof-gpu --example throughput -- STEM RAW.png FRAMES [OUT.f32]`: STEM.safetensors is the float network, STEM.fixed.safetensors
-//! the fixed one; stride 8. RAW.png is grey, red first, 12 bits at the top of each word, as `edof capture` writes it. Prints one JSON line, and
-//! writes the float picture's linear red, green and blue to OUT.f32. `benches/peers/gpu_pytorch.py` runs it beside PyTorch.
+//! `cargo run --release -p edof-gpu --example throughput -- STEM RAW.u16 WIDTH FRAMES OUT.f32`: STEM.safetensors is the float network,
+//! STEM.fixed.safetensors the fixed one; stride 8. RAW.u16 has the words of a frame, red first, little end first, without a header. Prints one JSON
+//! line, and writes the float picture's linear red, green and blue to OUT.f32. `benches/peers/gpu_pytorch.py` runs it beside PyTorch.
 
 use edof_gpu::{Device, GpuFloat, GpuGolden};
 use edof_image::overlap::Overlap;
@@ -15,20 +15,24 @@ use std::time::Instant;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
-    let [stem, raw, frames, out @ ..] = &args[..] else {
-        return Err("usage: throughput STEM RAW.png FRAMES [OUT.f32]".into());
+    let [stem, raw, width, frames, out] = &args[..] else {
+        return Err("usage: throughput STEM RAW.u16 WIDTH FRAMES OUT.f32".into());
     };
-    let (raw, frames) = (frame(Path::new(raw))?, frames.parse::<u32>()?);
+    let words: Vec<u16> =
+        std::fs::read(raw)?.chunks_exact(2).map(|word| u16::from_le_bytes([word[0], word[1]])).collect();
+    let width = width.parse()?;
+    let height = words.len().checked_div(width).ok_or("WIDTH 0: expected a frame's")?;
+    let values = Array2::from_shape_vec((height, width), words)?;
+    let raw = RawFrame::from_values(values, 16, CfaPhase::Rggb)?;
+    let frames = frames.parse()?;
     let float = weight_file::load_network(Path::new(&format!("{stem}.safetensors")))?;
     let float = GpuFloat::new(Device::open(None)?, float, Stride::PATCH, Overlap::Hann)?;
     let fixed = weight_file::load_fixed(Path::new(&format!("{stem}.fixed.safetensors")))?;
     let fixed = GpuGolden::new(Device::open(None)?, fixed, stem)?;
 
     let picture = float.frame(&raw)?;
-    if let Some(path) = out.first() {
-        let bytes: Vec<u8> = picture.planes.iter().flat_map(|light| light.to_le_bytes()).collect();
-        std::fs::write(path, bytes)?;
-    }
+    let bytes: Vec<u8> = picture.planes.iter().flat_map(|light| light.to_le_bytes()).collect();
+    std::fs::write(out, bytes)?;
     fixed.frame(&raw)?;
     let float_rate = rate(frames, || float.frame(&raw).map(drop))?;
     let fixed_rate = rate(frames, || fixed.frame(&raw).map(drop))?;
@@ -44,14 +48,4 @@ fn rate<E>(frames: u32, mut run: impl FnMut() -> Result<(), E>) -> Result<f64, E
     let start = Instant::now();
     (0..frames).try_for_each(|_| run())?;
     Ok(f64::from(frames) / start.elapsed().as_secs_f64())
-}
-
-/// A raw frame as `edof capture` writes it.
-fn frame(path: &Path) -> Result<RawFrame, Box<dyn Error>> {
-    let picture = image::open(path)?.into_luma16();
-    let (width, height) = picture.dimensions();
-    let values = Array2::from_shape_fn((height as usize, width as usize), |(r, c)| {
-        picture.get_pixel(c as u32, r as u32)[0] >> 4
-    });
-    Ok(RawFrame::from_values(values, 12, CfaPhase::Rggb)?)
 }

@@ -30,14 +30,14 @@ impl Word for i16 {
     type Total = i32;
     // Sums of 64 bits of more patches do not fit the registers of a GPU.
     const EACH: usize = 1;
-    const OPTIONS: &str = "-cl-std=CL1.2 -D FIXED -D EACH=1";
+    const OPTIONS: &str = "-cl-std=CL1.2 -D FIXED";
 }
 
 /// The float network's numbers.
 impl Word for f32 {
     type Total = f32;
     const EACH: usize = 4;
-    const OPTIONS: &str = "-cl-std=CL1.2 -D EACH=4";
+    const OPTIONS: &str = "-cl-std=CL1.2";
 }
 
 /// Shifts of a stage; none of floats.
@@ -178,7 +178,8 @@ impl<T: Word> Engine<T> {
             device.upload(&theta)
         };
         Ok(Self {
-            program: device.compile(include_str!("network.cl"), T::OPTIONS)?,
+            program: device
+                .compile(include_str!("network.cl"), &format!("{} -D EACH={}", T::OPTIONS, T::EACH))?,
             form: matrices.form,
             code_bits: matrices.code_bits,
             geometry,

@@ -76,6 +76,25 @@ fn a_frame_in_several_lots_has_no_seams() {
     assert_eq!(GpuGolden::new(device, network, "").unwrap().frame(&raw).unwrap(), there);
 }
 
+/// The device's memory is kept from frame to frame, of one size.
+#[test]
+#[ignore = "needs a device behind OpenCL: scripts/test-gpu.sh"]
+fn a_frame_leaves_nothing_behind_for_the_next() {
+    let (draw, stride) = (&mut Draw::new(5), Stride::new(4).unwrap());
+    let form = forms().next().unwrap();
+    let fixed = edof_random::extreme(form, 16, stride, false, 5);
+    let golden = Golden::new(fixed.clone()).unwrap();
+    let fixed = GpuGolden::new(device(), fixed, "").unwrap();
+    let network = float_network(form, draw);
+    let new_float = || GpuFloat::new(device(), network.clone(), stride, Overlap::Hann).unwrap();
+    let float = new_float();
+    for (height, width) in [(32, 48), (32, 48), (40, 32), (32, 48)] {
+        let raw = extreme_frame(draw, height, width, CfaPhase::Rggb);
+        assert_eq!(fixed.frame(&raw).unwrap(), golden.frame(&raw).unwrap(), "{height}x{width}");
+        assert_eq!(float.frame(&raw).unwrap(), new_float().frame(&raw).unwrap(), "{height}x{width}");
+    }
+}
+
 #[test]
 #[ignore = "needs a device behind OpenCL: scripts/test-gpu.sh"]
 fn the_float_network_is_the_processors_up_to_the_order_of_its_sums() {
