@@ -16,6 +16,7 @@ mod common;
 mod core_registers;
 mod crossing;
 mod crossing_resets;
+mod debounce;
 mod differential;
 mod edof_core;
 mod embedded_syncs;
