@@ -99,7 +99,7 @@ def run(task, mode, sources, out, broken=None, patience=1):
     text = (folder / "log").read_text()
     seconds = time.monotonic() - start
     status = (re.findall(r"DONE \((\w+)", text) or ["ERROR"])[-1]
-    engine = re.findall(r"summary: engine_\d+ \(([^)]*)\) returned (?:pass|PASS|FAIL)(?! for)", text)
+    engine = re.findall(r"summary: engine_\d+ \(([^)]*)\) returned (?:pass|PASS|FAIL)(?! for basecase)", text)
     used = re.findall(r"Elapsed process time [^(]*\(secs\)\]: [\d:]+ \((\d+)\)", text)
     how = f"{status} by {engine[0] if engine else '-'} in {seconds:.1f} s" + (f", {used[-1]} s of CPU" if used else "")
     good = status == ("FAIL" if broken is not None else "PASS")
@@ -118,8 +118,7 @@ def tasks_of(table, names, everything):
     for task in chosen:
         if task.get("long") and not everything and not names:
             continue
-        mode = "bmc" if task.get("bounded") else "prove"
-        jobs.append((task, mode, None))
+        jobs.append((task, "prove", None))
         if task.get("cover", True):
             jobs.append((task, "cover", None))
         jobs += [(task, "bmc", broken) for broken in task.get("broken", [])]
