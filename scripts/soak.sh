@@ -28,7 +28,7 @@ timing          tests circuits timing::
 resources       tests circuits resources::
 vivado          tests circuits vivado::
 printed         tests circuits printed::
-line-faults     tests it faults::
+line-faults     released edof-board it faults::
 host            tests program board::
 demo            tests program hardware::the_demo hardware::the_whole_core
 photographs     tests program photograph::
