@@ -75,14 +75,14 @@ impl<L: Line> Board<L> {
         let mut link = Link::new(line, patience);
         let port = link.name();
         link.wait_out()?;
-        let mut words = link.read(0, 5)?;
+        let mut words = link.read_of_any(0, 5)?;
         for _ in 0..STALE {
             if words[0] == map::ID {
                 break;
             }
             // Perhaps the answers to a host before, which has ended.
             link.settle()?;
-            words = link.read(0, 5)?;
+            words = link.read_of_any(0, 5)?;
         }
         let [id, version, design_hash, size, weights_hash] = [0, 1, 2, 3, 4].map(|word| words[word]);
         if id != map::ID {
@@ -355,11 +355,14 @@ impl<L: Line> Board<L> {
 
     /// What the stages show once none of them reads any more.
     fn shown(&mut self, stages: usize) -> Result<Vec<u32>, Error> {
+        let rest = |words: &[u32]| (0..stages).all(|stage| words[4 * stage + ReadBack::Busy as usize] == 0);
         for look in 1..=MAX_LOOKS {
-            let words = self.link.glance(STAGE_READS.address, 4 * stages)?;
-            let mut busy = (0..stages).map(|stage| words[4 * stage + ReadBack::Busy as usize]);
-            if busy.all(|busy| busy == 0) {
-                return self.link.read(STAGE_READS.address, 4 * stages);
+            // A byte too many in the first answer may hide a stage that still reads, so the second one must say it, too.
+            if rest(&self.link.glance(STAGE_READS.address, 4 * stages)?) {
+                let words = self.link.read(STAGE_READS.address, 4 * stages)?;
+                if rest(&words) {
+                    return Ok(words);
+                }
             }
             // A byte too many would move all answers after it.
             if look % LOOKS == 0 {

@@ -175,6 +175,9 @@ impl<L: Line> Board<L> {
             true => vec![],
             false => job.known.iter().map(|network| parts(job.design, network, target)).collect(),
         };
+        let (port, bank, active) = (self.port(), letter(target), letter(kept.bank));
+        let not_loaded = |wrong| Error::NotLoaded { port: port.clone(), bank, active, wrong, rounds: ROUNDS };
+        let mut restored = 0;
         loop {
             let missing: Vec<Vec<(u32, u32)>> =
                 wanted.iter().zip(&found).map(|(part, crc)| missing(part, *crc, &bases)).collect();
@@ -186,12 +189,15 @@ impl<L: Line> Board<L> {
                     break;
                 }
                 loaded.recovered = true;
+                restored += 1;
+                if restored == ROUNDS {
+                    return Err(not_loaded(wrong));
+                }
                 found = self.crcs(&all)?.into_iter().map(Some).collect();
                 continue;
             }
             if loaded.rounds == ROUNDS {
-                let (bank, active) = (letter(target), letter(kept.bank));
-                return Err(Error::NotLoaded { port: self.port(), bank, active, wrong, rounds: ROUNDS });
+                return Err(not_loaded(wrong));
             }
             loaded.rounds += 1;
             loaded.written_parts = loaded.written_parts.max(wrong);
@@ -241,8 +247,22 @@ impl<L: Line> Board<L> {
     /// Notes what must stay as it is. The bank in use needs no note: it takes no words.
     fn keep(&mut self, job: &Job<'_>, bank: Set) -> Result<Kept, Error> {
         let registers = self.link.read(WEIGHTS_HASH, 2)?;
-        let skips = self.stage_register(job.design.stages.len(), SKIP_ROW)?;
+        let skips = self.skips(job.design.stages.len())?;
         Ok(Kept { bank, control: registers[1], hash: registers[0], skips })
+    }
+
+    /// What the stages skip, read until two commands one after the other give the same: a command that was changed on its way reads something else.
+    fn skips(&mut self, stages: usize) -> Result<Vec<u32>, Error> {
+        let mut last = self.stage_register(stages, SKIP_ROW)?;
+        for _ in 0..ROUNDS {
+            let found = self.stage_register(stages, SKIP_ROW)?;
+            if found == last {
+                return Ok(found);
+            }
+            last = found;
+        }
+        let what = "what the stages skip".to_owned();
+        Err(Error::Noisy { port: self.port(), what, tried: ROUNDS })
     }
 
     /// Puts registers back that a reset or a word that went astray has changed; whether there were any. A reset leaves the bank in use, and

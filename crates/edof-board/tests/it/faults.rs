@@ -75,13 +75,13 @@ impl Bench {
     }
 }
 
-fn survive_all(seeds: std::ops::Range<u64>) {
+fn survive_all(seeds: impl Iterator<Item = u64>) {
     let bench = Bench::new();
-    let outcomes: Vec<Result<String, String>> = seeds.clone().map(|seed| bench.survives(seed)).collect();
+    let outcomes: Vec<Result<String, String>> = seeds.map(|seed| bench.survives(seed)).collect();
     let lost: Vec<&String> = outcomes.iter().filter_map(|outcome| outcome.as_ref().err()).collect();
     let ended = outcomes.iter().flatten().filter(|told| told.contains("Err(")).count();
     println!(
-        "seeds {seeds:?}: {} faults, {ended} ended the host, {} lost or with a frame of neither network",
+        "{} faults, {ended} ended the host, {} lost or with a frame of neither network",
         outcomes.len(),
         lost.len()
     );
@@ -91,6 +91,13 @@ fn survive_all(seeds: std::ops::Range<u64>) {
 #[test]
 fn no_fault_of_200_is_lost() {
     survive_all(0..200);
+}
+
+/// A byte that came twice stood before each later answer. Such answers agreed with each other, were kept as what the stages skip, and restored without
+/// an end.
+#[test]
+fn a_byte_that_comes_twice_moves_no_later_answer() {
+    survive_all([4312, 12_040].into_iter());
 }
 
 #[test]
