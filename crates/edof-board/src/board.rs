@@ -75,14 +75,14 @@ impl<L: Line> Board<L> {
         let mut link = Link::new(line, patience);
         let port = link.name();
         link.wait_out()?;
-        let mut words = link.read_of_any(0, 5)?;
+        let mut words = link.read(0, 5)?;
         for _ in 0..STALE {
             if words[0] == map::ID {
                 break;
             }
             // Perhaps the answers to a host before, which has ended.
             link.settle()?;
-            words = link.read_of_any(0, 5)?;
+            words = link.read(0, 5)?;
         }
         let [id, version, design_hash, size, weights_hash] = [0, 1, 2, 3, 4].map(|word| words[word]);
         if id != map::ID {

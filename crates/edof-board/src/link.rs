@@ -5,25 +5,23 @@
 //! What is wrong shows there: a byte too few, and the board takes the question for the rest of the words and does not answer; a byte
 //! too many, and it counts one more; a word that went astray to where it could do harm, and that is counted. Whatever the question is
 //! taken for, it writes nothing. A word that was changed on its way shows in the checks afterwards (`crate::load`).
-//!
-//! What is read must come twice, and then the board's identity: a byte too many stands before every later answer, and shows there.
 
 use crate::error::Error;
 use crate::line::{Line, line_time};
 use crate::protocol;
 use edof_device::board::UART_TIME_OUT_MS;
-use edof_device::registers::map::{ID, UART_BROKEN, WRITES_REFUSED, checked};
+use edof_device::registers::map::{UART_BROKEN, WRITES_REFUSED, checked};
 use std::time::Duration;
 
 /// Attempts before a line is given up.
 const ATTEMPTS: u32 = 6;
 /// After so long without a byte the board has given up a frame that was cut off, and nothing is on its way any more.
 const QUIET: Duration = Duration::from_millis(UART_TIME_OUT_MS as u64 * 5 / 4);
+/// Longer than a bridge keeps bytes for itself.
+const IN_FLIGHT: Duration = Duration::from_millis(20);
 /// The two counters after a write, one behind the other.
 const COUNTS: usize = 2;
 const _: () = assert!(WRITES_REFUSED == UART_BROKEN + 4);
-/// The first register, whose word is always [`ID`].
-const ID_ADDRESS: u32 = 0;
 /// Times that bytes are thrown away before a line that never rests is taken as it is.
 const UNREST: usize = 100;
 /// Bytes that are taken at once where they are thrown away.
@@ -128,6 +126,14 @@ impl<L: Line> Link<L> {
         self.throw_away(QUIET)
     }
 
+    /// Waits until no byte is in flight, and throws away what came.
+    ///
+    /// # Errors
+    /// The line is gone.
+    pub fn come_to_rest(&mut self) -> Result<(), Error> {
+        self.throw_away(IN_FLIGHT)
+    }
+
     /// Reads words from a byte address on, for what may be another word at any time.
     ///
     /// # Errors
@@ -142,27 +148,11 @@ impl<L: Line> Link<L> {
         Err(Error::Silent { port: self.name(), asked: ATTEMPTS })
     }
 
-    /// Reads words from a byte address on that stand still: until two answers one after the other agree, and an answer that is known is the
-    /// right one after them. A byte too many on the way would stand before every later answer, and such answers agree.
+    /// Reads words from a byte address on that stand still: until two answers one after the other agree.
     ///
     /// # Errors
     /// No answer, or never the same one.
     pub fn read(&mut self, address: u32, words: usize) -> Result<Vec<u32>, Error> {
-        for _ in 0..ATTEMPTS {
-            let found = self.read_of_any(address, words)?;
-            if self.glance(ID_ADDRESS, 1)? == [ID] {
-                return Ok(found);
-            }
-            self.settle()?;
-        }
-        Err(self.noisy(&format!("the word at 0x{address:x}")))
-    }
-
-    /// Reads words of a board that may be none of ours: until two answers one after the other agree.
-    ///
-    /// # Errors
-    /// No answer, or never the same one.
-    pub fn read_of_any(&mut self, address: u32, words: usize) -> Result<Vec<u32>, Error> {
         let mut last = self.glance(address, words)?;
         for _ in 0..ATTEMPTS {
             let found = self.glance(address, words)?;

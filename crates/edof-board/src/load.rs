@@ -88,6 +88,7 @@ impl std::fmt::Display for Difference {
 }
 
 /// What must be the same after a load as before.
+#[derive(PartialEq)]
 struct Kept {
     bank: Set,
     control: u32,
@@ -244,25 +245,26 @@ impl<L: Line> Board<L> {
         Ok(changed)
     }
 
-    /// Notes what must stay as it is. The bank in use needs no note: it takes no words.
+    /// Notes what must stay as it is, as two looks agree on it with a pause between: a byte too many in flight stands before each later answer until
+    /// the line rests, and a command that was changed on its way reads something else. The bank in use needs no note: it takes no words.
     fn keep(&mut self, job: &Job<'_>, bank: Set) -> Result<Kept, Error> {
-        let registers = self.link.read(WEIGHTS_HASH, 2)?;
-        let skips = self.skips(job.design.stages.len())?;
-        Ok(Kept { bank, control: registers[1], hash: registers[0], skips })
-    }
-
-    /// What the stages skip, read until two commands one after the other give the same: a command that was changed on its way reads something else.
-    fn skips(&mut self, stages: usize) -> Result<Vec<u32>, Error> {
-        let mut last = self.stage_register(stages, SKIP_ROW)?;
+        let mut last = self.note(job, bank)?;
         for _ in 0..ROUNDS {
-            let found = self.stage_register(stages, SKIP_ROW)?;
+            self.link.come_to_rest()?;
+            let found = self.note(job, bank)?;
             if found == last {
                 return Ok(found);
             }
             last = found;
         }
-        let what = "what the stages skip".to_owned();
+        let what = "what must stay as it is".to_owned();
         Err(Error::Noisy { port: self.port(), what, tried: ROUNDS })
+    }
+
+    fn note(&mut self, job: &Job<'_>, bank: Set) -> Result<Kept, Error> {
+        let registers = self.link.read(WEIGHTS_HASH, 2)?;
+        let skips = self.stage_register(job.design.stages.len(), SKIP_ROW)?;
+        Ok(Kept { bank, control: registers[1], hash: registers[0], skips })
     }
 
     /// Puts registers back that a reset or a word that went astray has changed; whether there were any. A reset leaves the bank in use, and
