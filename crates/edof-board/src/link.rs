@@ -22,8 +22,9 @@ const IN_FLIGHT: Duration = Duration::from_millis(20);
 /// The two counters after a write, one behind the other.
 const COUNTS: usize = 2;
 const _: () = assert!(WRITES_REFUSED == UART_BROKEN + 4);
-/// Times that bytes are thrown away before a line that never rests is taken as it is.
-const UNREST: usize = 100;
+/// Bytes that are thrown away before a line that never rests is taken as it is: four of the longest answers. What is left of a frame after a reset
+/// may ask for one.
+const UNREST: usize = 4 * 4 * protocol::MAX_WORDS;
 /// Bytes that are taken at once where they are thrown away.
 const THROWN_AWAY: usize = 4096;
 /// How long an answer may take beyond its time on the line, where the user says nothing else.
@@ -100,10 +101,13 @@ impl<L: Line> Link<L> {
 
     /// Throws away what comes, until nothing comes for so long.
     fn throw_away(&mut self, quiet: Duration) -> Result<(), Error> {
-        for _ in 0..UNREST {
-            if self.line.receive(THROWN_AWAY, quiet).map_err(self.failed())?.is_empty() {
+        let mut thrown = 0;
+        while thrown < UNREST {
+            let some = self.line.receive(THROWN_AWAY, quiet).map_err(self.failed())?;
+            if some.is_empty() {
                 break;
             }
+            thrown += some.len();
         }
         Ok(())
     }

@@ -100,6 +100,12 @@ fn a_byte_that_comes_twice_moves_no_later_answer() {
     survive_all([4312, 12_040].into_iter());
 }
 
+/// After a reset the rest of a frame was taken for a question after 255 words; the host waited for a hundred bytes of their answer.
+#[test]
+fn a_long_answer_that_nobody_asked_for_is_waited_out() {
+    survive_all([11_351, 12_158].into_iter());
+}
+
 #[test]
 #[ignore = "minutes: scripts/soak.sh"]
 fn no_fault_of_20000_is_lost() {
