@@ -17,7 +17,7 @@ use std::time::Duration;
 const ATTEMPTS: u32 = 6;
 /// After so long without a byte the board has given up a frame that was cut off, and nothing is on its way any more.
 const QUIET: Duration = Duration::from_millis(UART_TIME_OUT_MS as u64 * 5 / 4);
-/// Longer than a bridge keeps bytes for itself.
+/// Longer than a bridge holds bytes back: FTDI's do for up to 16 ms.
 const IN_FLIGHT: Duration = Duration::from_millis(20);
 /// The two counters after a write, one behind the other.
 const COUNTS: usize = 2;

@@ -96,13 +96,13 @@ fn no_fault_of_200_is_lost() {
 /// A byte that came twice stood before each later answer. Such answers agreed with each other, were kept as what the stages skip, and restored without
 /// an end.
 #[test]
-fn a_byte_that_comes_twice_moves_no_later_answer() {
+fn a_byte_that_comes_twice_does_not_change_what_a_load_keeps() {
     survive_all([4312, 12_040].into_iter());
 }
 
 /// After a reset the rest of a frame was taken for a question after 255 words; the host waited for a hundred bytes of their answer.
 #[test]
-fn a_long_answer_that_nobody_asked_for_is_waited_out() {
+fn a_long_answer_after_a_reset_is_waited_out() {
     survive_all([11_351, 12_158].into_iter());
 }
 
