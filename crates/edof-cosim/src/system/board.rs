@@ -96,6 +96,8 @@ pub struct VerilogBoard {
     pub frames: u64,
     /// Bytes from the host, and to it.
     pub bytes: [u64; 2],
+    /// Seconds that a host waited where nothing could come any more: they count, but are not simulated.
+    waited: f64,
 }
 
 fn stopped(error: impl std::error::Error + Send + Sync + 'static) -> Error {
@@ -141,7 +143,7 @@ impl VerilogBoard {
             })
         };
         let rig = Rig::start_with(&compiled, &begin, vec![sent(raw)], around).map_err(stopped)?;
-        Ok(Self { rig, speed, shown: vec![], frames: 0, bytes: [0; 2] })
+        Ok(Self { rig, speed, shown: vec![], frames: 0, bytes: [0; 2], waited: 0.0 })
     }
 
     /// Simulates the given number of clock edges.
@@ -209,7 +211,7 @@ impl VerilogBoard {
     /// Seconds of its time.
     #[must_use]
     pub fn seconds(&self) -> f64 {
-        self.rig.bench.time_ps() as f64 * 1e-12
+        self.rig.bench.time_ps() as f64 * 1e-12 + self.waited
     }
 
     fn put(&mut self, bytes: &[u8]) {
@@ -231,7 +233,7 @@ impl VerilogBoard {
     }
 }
 
-/// A host in the same program. Time passes while it waits, but no longer than anything can still come.
+/// A host in the same program. Its waiting is simulated for as long as anything can still come, and only counted after that.
 impl Line for VerilogBoard {
     fn name(&self) -> &str {
         "simulated board (Verilog)"
@@ -257,6 +259,9 @@ impl Line for VerilogBoard {
         let until = self.seconds() + patience.as_secs_f64();
         while self.rig.host.uart.terminal.came.is_empty() && self.seconds() < until && !self.rests() {
             self.steps(AT_ONCE).map_err(io::Error::other)?;
+        }
+        if self.rig.host.uart.terminal.came.is_empty() {
+            self.waited += (until - self.seconds()).max(0.0);
         }
         Ok(self.take(max))
     }
