@@ -7,7 +7,6 @@
 //! | forward pass and gradient of a batch of windows, in `f32` or `f64` ([`real`]) | [`pass`] |
 //! | flat weight vector of an architecture | [`parameters`] |
 //! | matrix products | [`matmul`] |
-//! | sRGB curve and its slope | [`encoding`] |
 //! | rounding to fixed-point formats, for fine-tuning | [`mod@format`] |
 //!
 //! ```
@@ -25,7 +24,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod encoding;
 pub mod format;
 pub mod matmul;
 pub mod parameters;

@@ -1,11 +1,9 @@
 //! A batch through the network and back: forward, and the hand-written gradient (docs/contract.md is its integer form), in either precision.
 
-use crate::encoding::encode_with_slope;
 use crate::format::Format;
 use crate::matmul::{Destination, Mat, product};
 use crate::parameters::Layout;
 use crate::real::Real;
-use edof_image::Tone;
 use edof_image::colour::RGB_OUTPUTS;
 use edof_network::network::{Form, Recurrence, Shrinkage};
 use std::ops::Range;
@@ -24,10 +22,8 @@ pub struct Loss {
 pub struct Examples<'a, T = f32> {
     /// Windows × pixels.
     pub inputs: &'a [T],
-    /// Windows × 192, light.
+    /// Windows × 192.
     pub targets: &'a [T],
-    /// The tone in which each window's error is measured.
-    pub tones: &'a [Tone],
     /// What each window's squared error weighs.
     pub importance: &'a [T],
 }
@@ -295,42 +291,28 @@ impl<T: Real> Pass<T> {
 }
 
 /// Outputs become the gradient for them of Σ_p ½·`importance[p]`·‖e_p‖², which is returned; `squared_errors[p]` becomes ‖e_p‖². A
-/// window's error e is taken in its tone: outputs minus targets, both encoded.
+/// window's error e is outputs minus targets.
 pub fn weighted_errors<T: Real>(
     outputs: &mut [T],
     examples: &Examples<'_, T>,
     squared_errors: &mut [T],
 ) -> f64 {
     let rows = outputs.chunks_exact_mut(RGB_OUTPUTS).zip(examples.targets.chunks_exact(RGB_OUTPUTS));
-    let windows = examples.importance.iter().zip(examples.tones).zip(squared_errors);
+    let windows = examples.importance.iter().zip(squared_errors);
     let mut loss = 0.0;
-    for ((out, target), ((&weight, tone), squared)) in rows.zip(windows) {
-        *squared = match tone {
-            Tone::Linear => linear_errors(out, target, weight),
-            Tone::Srgb => encoded_errors(out, target, weight),
-        };
+    for ((out, target), (&weight, squared)) in rows.zip(windows) {
+        *squared = errors(out, target, weight);
         loss += 0.5 * (weight * *squared).wide();
     }
     loss
 }
 
-fn linear_errors<T: Real>(out: &mut [T], target: &[T], weight: T) -> T {
+fn errors<T: Real>(out: &mut [T], target: &[T], weight: T) -> T {
     let mut sum = T::zero();
     for (o, &x) in out.iter_mut().zip(target) {
         let error = *o - x;
         sum += error * error;
         *o = error * weight;
-    }
-    sum
-}
-
-fn encoded_errors<T: Real>(out: &mut [T], target: &[T], weight: T) -> T {
-    let mut sum = T::zero();
-    for (o, &x) in out.iter_mut().zip(target) {
-        let (value, slope) = encode_with_slope(*o);
-        let error = value - encode_with_slope(x).0;
-        sum += error * error;
-        *o = error * slope * weight;
     }
     sum
 }

@@ -157,6 +157,10 @@ pub struct Origin {
     pub camera: Camera,
     /// Light and noise it was trained for: each tone convention, with the most noise of it.
     pub conditions: Vec<Condition>,
+    /// What the values stand for that it takes and gives: light, or light encoded in a tone. Frames hold light, so they are encoded before
+    /// such a network, and its picture is decoded.
+    #[serde(default = "light", skip_serializing_if = "is_light")]
+    pub values: Tone,
     /// Patches seen.
     pub patches: u64,
     /// Mean PSNR in dB on validation patches held out of the training photos.
@@ -172,7 +176,7 @@ pub struct Origin {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Condition {
-    /// What a photograph's numbers were taken for.
+    /// What a photograph's numbers were taken for before the lens.
     pub tone: Tone,
     /// The most noise.
     pub noise: Noise,
@@ -183,6 +187,14 @@ pub struct Condition {
 
 fn is_none(noise: &Noise) -> bool {
     *noise == Noise::None
+}
+
+const fn light() -> Tone {
+    Tone::Linear
+}
+
+fn is_light(values: &Tone) -> bool {
+    *values == light()
 }
 
 impl Origin {
@@ -206,6 +218,7 @@ impl Origin {
             name: name.to_owned(),
             camera,
             conditions: vec![Condition { tone: Tone::Linear, noise: Noise::None, least_noise: Noise::None }],
+            values: Tone::Linear,
             patches: 0,
             validation_db: 0.0,
             non_zeros: vec![],

@@ -249,19 +249,17 @@ impl Part {
     }
 }
 
-/// One set for each photo, tone, ψ, without noise and with the noise where networks are judged.
+/// One set for each photo, ψ, without noise and with the noise where networks are judged.
 fn validation(dataset: &Dataset, conditions: &Conditions) -> Vec<Batch> {
-    let mut sets = Vec::new();
+    let (mut sets, tone) = (Vec::new(), dataset.tone());
     for photo in 0..dataset.photos() {
-        for (tone, &kind) in dataset.tones().iter().enumerate() {
-            for psi in 0..dataset.psis().len() {
-                for noise in [Noise::None, conditions.at(kind, Conditions::judged(kind))] {
-                    let mut batch = Batch::new(dataset.window(), VALIDATION_WINDOWS);
-                    // Validation windows have a stream that no training step has.
-                    let mut random = Random::new(0, u64::MAX, sets.len() as u64);
-                    dataset.draw_validation(&mut random, Place { photo, tone, psi }, noise, &mut batch);
-                    sets.push(batch);
-                }
+        for psi in 0..dataset.psis().len() {
+            for noise in [Noise::None, conditions.at(tone, Conditions::judged(tone))] {
+                let mut batch = Batch::new(dataset.window(), VALIDATION_WINDOWS);
+                // Validation windows have a stream that no training step has.
+                let mut random = Random::new(0, u64::MAX, sets.len() as u64);
+                dataset.draw_validation(&mut random, Place { photo, psi }, noise, &mut batch);
+                sets.push(batch);
             }
         }
     }

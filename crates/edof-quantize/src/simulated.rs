@@ -94,7 +94,7 @@ mod tests {
     use edof_float::parameters::Layout;
     use edof_golden::scalar;
     use edof_image::draw::Draw;
-    use edof_image::{Stride, Tone, Window};
+    use edof_image::{Stride, Window};
     use edof_network::network::{Recurrence, Shrinkage};
     use proptest::prelude::*;
 
@@ -181,7 +181,7 @@ mod tests {
             let to_rgb = rgb_map(&[1.0; 128]);
             let mut pass = Simulated::new(form, &vec![Format::EXACT; form.shrinkages()], &to_rgb, 3);
             let (mut errors, mut gradient) = ([0.0; 3], vec![0.0; weights.len()]);
-            let examples = Examples { inputs: &y, targets: &x, tones: &[Tone::Linear; 3], importance: &importance };
+            let examples = Examples { inputs: &y, targets: &x, importance: &importance };
             pass.gradient(&weights, &examples, &mut errors, &mut gradient);
             let mut loss = |weights: &[f32]| {
                 let (mut errors, mut unused) = ([0.0; 3], vec![0.0; weights.len()]);
@@ -270,7 +270,7 @@ mod tests {
         assert_eq!(both.len(), 2 * 192);
         let single: Vec<f32> = y.chunks(64).flat_map(|y| pass.forward(&weights, y, 1).to_vec()).collect();
         assert!(both.iter().zip(&single).all(|(a, b)| (a - b).abs() < 1e-5));
-        let examples = Examples { inputs: &y, targets: &x, tones: &[Tone::Linear; 2], importance: &[1.0; 2] };
+        let examples = Examples { inputs: &y, targets: &x, importance: &[1.0; 2] };
         let mut errors = [0.0; 2];
         pass.gradient(&weights, &examples, &mut errors, &mut vec![0.0; weights.len()]);
         for (w, error) in errors.iter().enumerate() {

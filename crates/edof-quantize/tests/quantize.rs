@@ -274,7 +274,7 @@ fn fine_tuning_wins_back_what_eight_bits_cost_and_repeats() {
         validate_every: 100,
         conditions: Conditions::plain(0.01),
         budget: None,
-        tones: vec![Tone::Linear],
+        tone: Tone::Linear,
         ..Recipe::new(form)
     };
     let mut trainer = Trainer::new(recipe, &dataset, 2).unwrap();

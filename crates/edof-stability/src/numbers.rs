@@ -11,7 +11,7 @@ use edof_image::display::{CODES, COLOUR_ADDRESS_BITS, DisplayMode};
 use edof_image::draw::Draw;
 use edof_image::frame::Frame422;
 use edof_image::number::ACCUMULATOR_BITS;
-use edof_image::{ColourFrame, Geometry, Noise, Stride, Tone, Window};
+use edof_image::{ColourFrame, Geometry, Noise, Stride, Window};
 use edof_metrics::Quality;
 use edof_network::network::{Form, Recurrence, Shrinkage};
 use edof_optics::sensor::{Sensor, expose};
@@ -178,15 +178,12 @@ fn gradient(limit: f64) -> Result<Measurement, Stopped> {
     let weights = noise(Layout::new(&form).len(), 0.1);
     let (inputs, targets) = (noise(WINDOWS * 64, 1.0), noise(WINDOWS * 192, 1.0));
     let narrow = |values: &[f64]| values.iter().map(|v| *v as f32).collect::<Vec<f32>>();
-    let tones = [Tone::Linear; WINDOWS];
     let mut wide = vec![0.0; weights.len()];
-    let examples =
-        Examples { inputs: &inputs, targets: &targets, tones: &tones, importance: &[1.0; WINDOWS] };
+    let examples = Examples { inputs: &inputs, targets: &targets, importance: &[1.0; WINDOWS] };
     Pass::<f64>::new(form, WINDOWS).gradient(&weights, &examples, &[1e-3; 3], &mut [0.0; WINDOWS], &mut wide);
     let mut single = vec![0.0; weights.len()];
     let (inputs, targets) = (narrow(&inputs), narrow(&targets));
-    let examples =
-        Examples { inputs: &inputs, targets: &targets, tones: &tones, importance: &[1.0; WINDOWS] };
+    let examples = Examples { inputs: &inputs, targets: &targets, importance: &[1.0; WINDOWS] };
     let mut errors = [0.0; WINDOWS];
     Pass::<f32>::new(form, WINDOWS).gradient(
         &narrow(&weights),

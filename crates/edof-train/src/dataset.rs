@@ -3,12 +3,14 @@
 //! Photographs are blurred whole, once for each ψ of a list; windows are cut at random places, flipped and turned (in all the
 //! ways that leave the camera's PSFs as they are), mosaiced afterwards, and given light and noise of their own at every draw. A block of each
 //! photograph is kept for validation ([`crate::holdout`]). Where asked for, a photograph comes in several looks
-//! ([`crate::augment`]) and both as light and as codes taken for light ([`edof_image::Tone`]).
+//! ([`crate::augment`]). Lens and sensor see light; what the sensor gives and what the patch should be is then encoded in the photographs'
+//! tone ([`edof_image::Tone`]), as the network takes and gives it.
 
 mod kept;
 mod lens;
 
 use crate::augment::Augmentation;
+use crate::encoding::encode;
 use crate::holdout::Holdout;
 use crate::noise::{Conditions, NOISE_CLASSES, expose};
 use edof_camera::Camera;
@@ -32,8 +34,8 @@ pub struct DatasetOptions {
     pub settings: Settings,
     /// Side of the windows that are cut.
     pub window: Window,
-    /// What the photographs' values are taken for; of two, half of the windows each.
-    pub tones: Vec<Tone>,
+    /// What the photographs' values are taken for, and what windows hold.
+    pub tone: Tone,
     /// Looks of each photograph.
     pub augmentation: Augmentation,
 }
@@ -46,7 +48,7 @@ impl DatasetOptions {
             psis: psis.to_vec(),
             settings: Settings::default(),
             window,
-            tones: vec![Tone::Linear],
+            tone: Tone::Linear,
             augmentation: Augmentation::NONE,
         }
     }
@@ -55,7 +57,7 @@ impl DatasetOptions {
 /// Photographs of one size or several, sharp and blurred; interleaved RGB words of 16 bits.
 #[derive(Debug)]
 pub struct Dataset {
-    /// Photograph by photograph, tone by tone, look by look.
+    /// Photograph by photograph, look by look.
     pictures: Vec<Picture>,
     options: DatasetOptions,
     photos: usize,
@@ -100,13 +102,11 @@ pub enum DatasetError {
 /// A batch of windows: what goes in, what should come out, and where each came from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Batch {
-    /// Windows × pixels.
+    /// Windows × pixels, in the dataset's tone.
     pub inputs: Vec<f32>,
-    /// Windows × 192, light.
+    /// Windows × 192, in the dataset's tone.
     pub targets: Vec<f32>,
-    /// The tone in which each window's error is measured.
-    pub tones: Vec<Tone>,
-    /// Cell (photograph, tone, ψ, noise class) of each window; see [`Dataset::cells`].
+    /// Cell (photograph, ψ, noise class) of each window; see [`Dataset::cells`].
     pub cells: Vec<u32>,
     /// Noise class of each window; see [`Conditions::class`].
     pub classes: Vec<u8>,
@@ -119,7 +119,6 @@ impl Batch {
         Self {
             inputs: vec![0.0; windows * window.pixels()],
             targets: vec![0.0; windows * RGB_OUTPUTS],
-            tones: vec![Tone::Linear; windows],
             cells: vec![0; windows],
             classes: vec![0; windows],
         }
@@ -134,7 +133,7 @@ impl Batch {
     /// The windows, with what each weighs.
     #[must_use]
     pub fn examples<'a>(&'a self, importance: &'a [f32]) -> Examples<'a> {
-        Examples { inputs: &self.inputs, targets: &self.targets, tones: &self.tones, importance }
+        Examples { inputs: &self.inputs, targets: &self.targets, importance }
     }
 }
 
@@ -143,8 +142,6 @@ impl Batch {
 pub struct Place {
     /// Position of the photograph in the list, from 0.
     pub photo: usize,
-    /// Position of its tone among the dataset's.
-    pub tone: usize,
     /// Position of ψ among the dataset's.
     pub psi: usize,
 }
@@ -175,12 +172,10 @@ impl Dataset {
             }
             let (height, width) = photo.size();
             let holdout = Holdout::new(height, width, index, reach);
-            let looks: Vec<Picture> = (0..options.tones.len() * options.augmentation.variants)
+            let light = options.tone.decoded(photo);
+            let looks: Vec<Picture> = (0..options.augmentation.variants)
                 .into_par_iter()
-                .map(|i| {
-                    let (tone, variant) =
-                        (i / options.augmentation.variants, i % options.augmentation.variants);
-                    let light = options.tones[tone].decoded(photo);
+                .map(|variant| {
                     let sharp = options.augmentation.look(index, variant).of(&light);
                     let (height, width) = sharp.size();
                     let holdout = if variant == 0 { holdout } else { holdout.reduced(height, width) };
@@ -210,10 +205,10 @@ impl Dataset {
         self.photos
     }
 
-    /// What the photographs' values are taken for.
+    /// What the photographs' values are taken for, and what windows hold.
     #[must_use]
-    pub fn tones(&self) -> &[Tone] {
-        &self.options.tones
+    pub const fn tone(&self) -> Tone {
+        self.options.tone
     }
 
     /// Side of the windows that are cut.
@@ -228,50 +223,38 @@ impl Dataset {
         self.reach
     }
 
-    /// Number of cells: photographs × tones × ψ × noise classes.
+    /// Number of cells: photographs × ψ × noise classes.
     #[must_use]
     pub fn cells(&self) -> usize {
-        self.photos * self.tones().len() * self.psis().len() * NOISE_CLASSES
+        self.photos * self.psis().len() * NOISE_CLASSES
     }
 
     /// Fills a batch with random training windows.
     pub fn draw(&self, random: &mut Random, conditions: &Conditions, batch: &mut Batch) {
         for index in 0..batch.windows() {
-            let place = Place {
-                photo: random.below(self.photos),
-                tone: random.below(self.tones().len()),
-                psi: random.below(self.psis().len()),
-            };
+            let place = Place { photo: random.below(self.photos), psi: random.below(self.psis().len()) };
             let picture = self.picture(place, random.below(self.options.augmentation.variants));
-            let (class, noise) = conditions.draw(random, self.tones()[place.tone]);
+            let (class, noise) = conditions.draw(random, self.tone());
             let exposure = random.between(conditions.exposure);
             let corner = picture.holdout.training(random, self.window().side());
             batch.cells[index] = self.cell(place, class) as u32;
             batch.classes[index] = class as u8;
-            match conditions.draw_colour(random, self.tones()[place.tone]) {
-                Some(colour) => self.fill(random, colour, place, noise, batch, index),
+            match conditions.draw_colour(random, self.tone()) {
+                Some(colour) => self.fill(random, colour, noise, batch, index),
                 None => self.cut(random, picture, place, corner, exposure, noise, batch, index),
             }
         }
     }
 
     /// A window of a single colour.
-    fn fill(
-        &self,
-        random: &mut Random,
-        colour: [f32; 3],
-        place: Place,
-        noise: Noise,
-        batch: &mut Batch,
-        index: usize,
-    ) {
+    fn fill(&self, random: &mut Random, colour: [f32; 3], noise: Noise, batch: &mut Batch, index: usize) {
         let (side, pixels) = (self.window().side(), self.window().pixels());
-        batch.tones[index] = self.tones()[place.tone];
         let input = &mut batch.inputs[index * pixels..][..pixels];
         input.iter_mut().enumerate().for_each(|(i, v)| *v = colour[RGGB[i / side % 2][i % side % 2]]);
         expose(noise, random, input);
         let target = &mut batch.targets[index * RGB_OUTPUTS..][..RGB_OUTPUTS];
         target.chunks_exact_mut(PATCH * PATCH).zip(colour).for_each(|(plane, v)| plane.fill(v));
+        self.encode(batch, index);
     }
 
     /// Fills a batch with random validation windows of one photograph, as it is, at one ψ, with one noise.
@@ -284,13 +267,11 @@ impl Dataset {
     }
 
     fn picture(&self, place: Place, variant: usize) -> &Picture {
-        let tones = self.tones().len();
-        &self.pictures[(place.photo * tones + place.tone) * self.options.augmentation.variants + variant]
+        &self.pictures[place.photo * self.options.augmentation.variants + variant]
     }
 
     fn cell(&self, place: Place, class: usize) -> usize {
-        ((place.photo * self.tones().len() + place.tone) * self.psis().len() + place.psi) * NOISE_CLASSES
-            + class
+        (place.photo * self.psis().len() + place.psi) * NOISE_CLASSES + class
     }
 
     #[expect(clippy::too_many_arguments, reason = "one draw, each of its coordinates named at the call")]
@@ -307,7 +288,6 @@ impl Dataset {
     ) {
         let window = self.window();
         let (side, pixels) = (window.side(), window.pixels());
-        batch.tones[index] = self.tones()[place.tone];
         let turn = Turn::new(self.turns[random.below(self.turns.len())], picture.width, side);
         let base = (row * picture.width + column) * 3;
         let unit = exposure / f32::from(u16::MAX);
@@ -320,6 +300,17 @@ impl Dataset {
         }
         // What no sensor can tell from white, no network is asked for.
         target.iter_mut().for_each(|v| *v = v.min(1.0));
+        self.encode(batch, index);
+    }
+
+    /// Light of a window becomes values of the tone.
+    fn encode(&self, batch: &mut Batch, index: usize) {
+        if self.tone() == Tone::Srgb {
+            let pixels = self.window().pixels();
+            let input = &mut batch.inputs[index * pixels..][..pixels];
+            let target = &mut batch.targets[index * RGB_OUTPUTS..][..RGB_OUTPUTS];
+            input.iter_mut().chain(target).for_each(|v| *v = encode(*v));
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use edof_camera::camera::{Delay, Ring, Sign};
 use edof_float::parameters::{Layout, flatten};
 use edof_float::pass::{Pass, weighted_errors};
 use edof_image::colour::RGB_OUTPUTS;
-use edof_image::{ColourFrame, Noise};
+use edof_image::{ColourFrame, Noise, Tone};
 use edof_network::network::Network;
 use edof_numerics::random::Random;
 use edof_optics::gradient::{GradientError, Parameter, parameters, psf_gradient};
@@ -113,6 +113,14 @@ impl Joint {
     /// [`JointError::Recipe`], naming the number that is out of range.
     pub fn check(&self) -> Result<(), JointError> {
         self.recipe.check()?;
+        if self.recipe.tone != Tone::Linear {
+            return Err(value(
+                "tone",
+                self.recipe.tone,
+                "linear: the derivative by the lens is that of light",
+            )
+            .into());
+        }
         let wrong = |field, found: f64, expected| Err(value(field, found, expected).into());
         if !(1..=10_000).contains(&self.rounds) {
             return wrong("rounds", self.rounds.into(), "1 to 10000");
@@ -250,7 +258,7 @@ impl Joint {
         let mut inputs = vec![0.0; windows * pixels];
         let (mut errors, importance) = (vec![0.0; windows], vec![1.0; windows]);
         for photo in 0..dataset.photos() {
-            let place = Place { photo, tone: 0, psi };
+            let place = Place { photo, psi };
             // The same windows in every round.
             let mut random =
                 Random::new(self.recipe.seed, u64::MAX - 2, ((photo << 16) | (noise << 8) | psi) as u64);

@@ -19,6 +19,7 @@ pub mod augment;
 pub mod budget;
 pub mod checkpoint;
 pub mod dataset;
+mod encoding;
 pub mod holdout;
 pub mod initial;
 pub mod joint;

@@ -22,8 +22,8 @@ pub const SHARES: usize = 8;
 pub struct Recipe {
     /// The network's form.
     pub form: Form,
-    /// What the photographs' values are taken for; of two, half of the windows each.
-    pub tones: Vec<Tone>,
+    /// What the photographs' values are taken for, and what the network takes and gives.
+    pub tone: Tone,
     /// Light and noise of each window.
     pub conditions: Conditions,
     /// Looks of each photograph.
@@ -77,7 +77,7 @@ impl Recipe {
         Self {
             form,
             // What photographs are, and what `edof capture` takes them for (docs/decisions/0041-one-tone.md).
-            tones: vec![Tone::Srgb],
+            tone: Tone::Srgb,
             conditions: Conditions::plain(0.03),
             // No looks but the photograph's own; these are what --variants draws.
             augmentation: Augmentation { variants: 1, saturation: [0.8, 1.8], hue: 20.0, scale: 0.6 },
@@ -118,7 +118,7 @@ impl Recipe {
             psis: psis.to_vec(),
             settings: Settings::default(),
             window: self.form.window,
-            tones: self.tones.clone(),
+            tone: self.tone,
             augmentation: self.augmentation,
         }
     }
@@ -132,9 +132,8 @@ impl Recipe {
         if self.form.window != dataset.window() {
             return Err(value("window", self.form.window.side(), "the window that the photos were cut for"));
         }
-        if self.tones != dataset.tones() {
-            let tones: Vec<String> = self.tones.iter().map(ToString::to_string).collect();
-            return Err(value("tone", tones.join(" and "), "the tone that the photos were read in"));
+        if self.tone != dataset.tone() {
+            return Err(value("tone", self.tone, "the tone that the photos were read in"));
         }
         Ok(())
     }

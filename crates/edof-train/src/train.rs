@@ -311,18 +311,17 @@ impl<'a> Trainer<'a> {
     #[must_use]
     pub fn best(&self, name: &str, camera: &Camera, provenance: Provenance) -> Network {
         let conditions = &self.recipe.conditions;
-        let range = |&tone: &Tone| {
-            let least_noise = match conditions.begins_with_none(tone) {
-                true => Noise::None,
-                false => conditions.at(tone, 0.0),
-            };
-            Condition { tone, noise: conditions.at(tone, 1.0), least_noise }
+        let tone = self.recipe.tone;
+        let least_noise = match conditions.begins_with_none(tone) {
+            true => Noise::None,
+            false => conditions.at(tone, 0.0),
         };
         let non_zeros = self.validate_best().busy_non_zeros();
         let origin = Origin {
             name: name.to_owned(),
             camera: camera.clone(),
-            conditions: self.recipe.tones.iter().map(range).collect(),
+            conditions: vec![Condition { tone, noise: conditions.at(tone, 1.0), least_noise }],
+            values: tone,
             patches: self.state.step * self.recipe.batch as u64,
             validation_db: (self.state.best.db * 1e4).round() / 1e4,
             non_zeros: non_zeros.iter().map(|n| (n * 1e2).round() / 1e2).collect(),
@@ -425,15 +424,16 @@ impl Share {
         let loss = self.pass.gradient(weights, &examples, &state.steering.lambdas, errors, gradient);
         self.loss = loss.squared + loss.sparsity;
         if recipe.budget.is_some() {
-            self.count_non_zeros(&recipe.form);
+            self.count_non_zeros(&recipe.form, recipe.tone);
         }
     }
 
-    fn count_non_zeros(&mut self, form: &Form) {
+    fn count_non_zeros(&mut self, form: &Form, tone: Tone) {
         self.judged.0 = 0;
         self.judged.1.fill(0);
-        for (window, (tone, class)) in self.batch.tones.iter().zip(&self.batch.classes).enumerate() {
-            if usize::from(*class) != Conditions::class(Conditions::judged(*tone)) {
+        let judged = Conditions::class(Conditions::judged(tone));
+        for (window, class) in self.batch.classes.iter().enumerate() {
+            if usize::from(*class) != judged {
                 continue;
             }
             self.judged.0 += 1;

@@ -5,10 +5,8 @@
 
 use crate::dataset::{Batch, Dataset, Place};
 use crate::noise::Conditions;
-use edof_float::encoding::encode_with_slope;
 use edof_float::pass::Pass;
-use edof_image::colour::RGB_OUTPUTS;
-use edof_image::{Noise, Tone};
+use edof_image::Noise;
 use edof_network::network::Form;
 use edof_numerics::mean;
 use edof_numerics::random::Random;
@@ -35,11 +33,11 @@ struct Set {
 /// What one set measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
-    /// Photograph, tone and ψ.
+    /// Photograph and ψ.
     pub place: Place,
     /// The noise of its windows.
     pub noise: Noise,
-    /// PSNR in dB over all windows of the set, in their tone.
+    /// PSNR in dB over all windows of the set.
     pub psnr_db: f64,
     /// Mean non-zeros of each shrinkage.
     pub non_zeros: Vec<f64>,
@@ -55,12 +53,10 @@ impl ValidationSets {
     pub fn new(dataset: &Dataset, conditions: &Conditions) -> Self {
         let mut places = Vec::new();
         for photo in 0..dataset.photos() {
-            for tone in 0..dataset.tones().len() {
-                places.extend(spread(dataset.psis().len()).into_iter().map(|psi| Place { photo, tone, psi }));
-            }
+            places.extend(spread(dataset.psis().len()).into_iter().map(|psi| Place { photo, psi }));
         }
         let all = places.into_par_iter().enumerate().flat_map_iter(|(index, place)| {
-            let levels = conditions.validated(dataset.tones()[place.tone]);
+            let levels = conditions.validated(dataset.tone());
             levels.into_iter().enumerate().map(move |(level, noise)| {
                 let mut batch = Batch::new(dataset.window(), WINDOWS);
                 let mut random = Random::new(SEED, index as u64, level as u64);
@@ -93,19 +89,11 @@ impl Set {
     }
 }
 
-/// PSNR in dB over all outputs of a batch, cut to 0…1, each window's in its tone.
+/// PSNR in dB over all outputs of a batch, cut to 0…1.
 #[must_use]
 pub fn psnr_db(outputs: &[f32], batch: &Batch) -> f64 {
-    let rows = outputs.chunks_exact(RGB_OUTPUTS).zip(batch.targets.chunks_exact(RGB_OUTPUTS));
-    let mut squares = 0.0;
-    for ((outputs, targets), tone) in rows.zip(&batch.tones) {
-        let encode = |v: f32| match tone {
-            Tone::Linear => v,
-            Tone::Srgb => encode_with_slope(v).0,
-        };
-        let errors = outputs.iter().zip(targets).map(|(o, x)| encode(o.clamp(0.0, 1.0)) - encode(*x));
-        squares += errors.map(|e| f64::from(e * e)).sum::<f64>();
-    }
+    let errors = outputs.iter().zip(&batch.targets).map(|(o, x)| o.clamp(0.0, 1.0) - x);
+    let squares: f64 = errors.map(|e| f64::from(e * e)).sum();
     -10.0 * (squares / outputs.len() as f64).max(1e-12).log10()
 }
 
@@ -118,7 +106,7 @@ impl Measured {
 }
 
 impl Validation {
-    /// The number that chooses a checkpoint: the mean PSNR in dB over all photographs, tones, ψ, without and with noise.
+    /// The number that chooses a checkpoint: the mean PSNR in dB over all photographs, ψ, without and with noise.
     #[must_use]
     pub fn db(&self) -> f64 {
         self.mean(|_| true).unwrap_or(f64::NEG_INFINITY)
@@ -130,12 +118,10 @@ impl Validation {
         mean(self.0.iter().filter(|m| chosen(m)).map(|m| m.psnr_db))
     }
 
-    /// The tone, ψ and noise at which the mean over photographs is least, and that mean.
+    /// The ψ and noise at which the mean over photographs is least, and that mean.
     #[must_use]
     pub fn worst(&self) -> Option<(&Measured, f64)> {
-        let alike = |a: &Measured, b: &Measured| {
-            (a.place.tone, a.place.psi, a.noise) == (b.place.tone, b.place.psi, b.noise)
-        };
+        let alike = |a: &Measured, b: &Measured| (a.place.psi, a.noise) == (b.place.psi, b.noise);
         let first = self.0.iter().filter(|m| m.place.photo == 0);
         first.filter_map(|m| Some((m, self.mean(|o| alike(m, o))?))).min_by(|a, b| a.1.total_cmp(&b.1))
     }
@@ -175,7 +161,7 @@ mod tests {
 
     fn measured(photo: usize, psi: usize, noisy: bool, psnr_db: f64) -> Measured {
         let noise = if noisy { Noise::gaussian(0.01) } else { Noise::None };
-        Measured { place: Place { photo, tone: 0, psi }, noise, psnr_db, non_zeros: vec![psnr_db, 1.0] }
+        Measured { place: Place { photo, psi }, noise, psnr_db, non_zeros: vec![psnr_db, 1.0] }
     }
 
     #[test]

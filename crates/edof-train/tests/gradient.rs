@@ -3,15 +3,14 @@
 use edof_float::parameters::Layout;
 use edof_float::pass::{Examples, Pass};
 use edof_float::real::Real;
+use edof_image::Window;
 use edof_image::colour::RGB_OUTPUTS;
-use edof_image::{Tone, Window};
 use edof_network::network::{Form, Recurrence, Shrinkage};
 use edof_numerics::random::Random;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 const WINDOWS: usize = 3;
-const TONES: [Tone; WINDOWS] = [Tone::Linear, Tone::Srgb, Tone::Linear];
 /// How far weights move for a difference, as a length over all of a group.
 const STEP: f64 = 1e-5;
 /// Directions tried for a group before its case counts as skipped.
@@ -58,8 +57,7 @@ impl Case {
         let of = |values: &[f64]| values.iter().map(|v| T::of(*v)).collect::<Vec<T>>();
         let (weights, inputs, targets) = (of(weights), of(&self.inputs), of(&self.targets));
         let (lambdas, importance) = (of(&self.lambdas), of(&[1.0, 0.5, 2.0]));
-        let examples =
-            Examples { inputs: &inputs, targets: &targets, tones: &TONES, importance: &importance };
+        let examples = Examples { inputs: &inputs, targets: &targets, importance: &importance };
         let mut pass = Pass::<T>::new(self.form, WINDOWS);
         let (mut errors, mut gradient) = ([T::zero(); WINDOWS], vec![T::zero(); weights.len()]);
         let loss = pass.gradient(&weights, &examples, &lambdas, &mut errors, &mut gradient);
@@ -163,8 +161,7 @@ fn the_gradient_for_the_inputs_equals_finite_differences() {
     for index in 0..60 {
         let mut case = Case::new(index);
         let importance = [1.0, 0.5, 2.0];
-        let examples =
-            Examples { inputs: &case.inputs, targets: &case.targets, tones: &TONES, importance: &importance };
+        let examples = Examples { inputs: &case.inputs, targets: &case.targets, importance: &importance };
         let mut pass = Pass::<f64>::new(case.form, WINDOWS);
         let (mut errors, mut unused) = ([0.0; WINDOWS], vec![0.0; case.weights.len()]);
         pass.gradient(&case.weights, &examples, &case.lambdas, &mut errors, &mut unused);

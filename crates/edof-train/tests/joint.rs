@@ -39,7 +39,7 @@ fn joint() -> Joint {
         tied: false,
     };
     let recipe = Recipe {
-        tones: vec![Tone::Linear],
+        tone: Tone::Linear,
         budget: None,
         lambda: vec![1e-5],
         batch: 64,
@@ -80,6 +80,7 @@ fn network(joint: &Joint, camera: &Camera) -> Network {
         name: "start".into(),
         camera: camera.clone(),
         conditions: vec![],
+        values: Tone::Linear,
         patches: 0,
         validation_db: 0.0,
         non_zeros: vec![],

@@ -8,9 +8,9 @@ use ndarray::Array3;
 
 const CODES: usize = 4;
 
-/// Two pictures of soft shades at two depths, taken for light and for codes.
+/// Four pictures of soft shades at two depths.
 fn dataset() -> Dataset {
-    let pictures: Vec<ColourFrame> = (0..2)
+    let pictures: Vec<ColourFrame> = (0..4)
         .map(|i| ColourFrame {
             planes: Array3::from_shape_fn((3, 256, 256), |(plane, r, c)| {
                 let shade = (r as f32 / (9 + i) as f32).sin() + (c as f32 / 7.0).cos();
@@ -19,7 +19,7 @@ fn dataset() -> Dataset {
         })
         .collect();
     let plain = DatasetOptions::plain(&[0.0, 1.0], Window::new(8).unwrap());
-    let options = DatasetOptions { tones: vec![Tone::Linear, Tone::Srgb], ..plain };
+    let options = DatasetOptions { tone: Tone::Srgb, ..plain };
     let camera = Camera::resolve("clear").unwrap();
     Dataset::new(&pictures, &camera, options, |_, _| ControlFlow::Continue(())).unwrap().unwrap()
 }
@@ -130,7 +130,7 @@ fn two_sided_thresholds_stay_at_zero_or_above_and_one_sided_ones_may_fall_below(
 }
 
 #[test]
-fn validation_is_the_mean_over_photos_tones_depths_and_noise() {
+fn validation_is_the_mean_over_photos_depths_and_noise() {
     let (dataset, fixed, tuning) = (dataset(), start(Shrinkage::OneSided), tuning(1, 0.1));
     let mut tuner = Tuner::new(&fixed, &dataset, &tuning);
     assert_eq!(tuner.validation.len(), 16);

@@ -68,13 +68,13 @@ impl Dataset {
         let mut line = String::new();
         file.by_ref().take(MAX_HEAD).read_line(&mut line).ok()?;
         let head: Head = serde_json::from_str(&line).ok()?;
-        let looks = options.tones.len() * options.augmentation.variants;
+        let looks = options.augmentation.variants;
         if head.key != key || head.sizes.len() != photos.len() * looks {
             return None;
         }
         let mut pictures = vec![];
         for (index, &(height, width)) in head.sizes.iter().enumerate() {
-            let (photo, variant) = (index / looks, index % looks % options.augmentation.variants);
+            let (photo, variant) = (index / looks, index % looks);
             let (rows, columns) = photos[photo].size();
             let whole = Holdout::new(rows, columns, photo, head.reach);
             let holdout = if variant == 0 { whole } else { whole.reduced(height, width) };

@@ -11,7 +11,8 @@ use edof_numerics::random::Random;
 pub type Corner = (usize, usize);
 
 impl Dataset {
-    /// Fills a batch with random training windows of one photograph, as it is and not turned, at one ψ, with one noise. Returns their places.
+    /// Fills a batch with random training windows of one photograph, as it is and not turned, at one ψ, with one noise: light, whatever the tone.
+    /// Returns their places.
     pub fn draw_located(
         &self,
         random: &mut Random,
@@ -40,7 +41,6 @@ impl Dataset {
                 );
             }
             target.iter_mut().for_each(|v| *v = v.min(1.0));
-            batch.tones[index] = self.tones()[place.tone];
             (row, column)
         };
         (0..batch.cells.len()).map(draw).collect()

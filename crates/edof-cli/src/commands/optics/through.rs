@@ -93,7 +93,7 @@ pub(super) fn design(args: &Design, name: &str, ui: &Ui) -> Result<(), Error> {
     let network = weights::float(name)?;
     let recipe = Recipe::new(network.form);
     let recipe = Recipe {
-        tones: vec![Tone::Linear],
+        tone: Tone::Linear,
         budget: None,
         lambda: vec![LAMBDA],
         steps: options.steps,

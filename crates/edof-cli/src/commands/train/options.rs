@@ -70,11 +70,10 @@ pub struct Args {
     #[arg(long, value_name = "LOW:HIGH", value_parser = depths, allow_hyphen_values = true)]
     pub(super) psi: Option<DepthRange>,
 
-    /// Meaning of a photograph's samples: srgb (encoded light, sensor noise, errors measured on encoded values; the default of edof
-    /// capture), linear (the paper's convention: linear light), or both, half of the windows each; with --from the
-    /// default is the tone of that network
+    /// Meaning of a photograph's samples, and what the network takes and gives: srgb (encoded light, sensor noise; the default of edof
+    /// capture) or linear (the paper's convention: linear light); with --from the default is the tone of that network
     #[arg(long)]
-    pub(super) tone: Option<Tones>,
+    pub(super) tone: Option<Tone>,
 
     /// Largest noise σ of linear windows, in units of full scale, or a range LOW:HIGH; a network trained without noise loses 6 to
     /// 11 dB at σ = 0.01 (docs/stability.md)
@@ -202,32 +201,6 @@ pub struct Args {
 
     #[command(flatten)]
     pub(super) force: Force,
-}
-
-/// What photographs' values are, by the names that users give.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Tones {
-    Linear,
-    Srgb,
-    Both,
-}
-
-impl Tones {
-    pub(super) fn all(self) -> Vec<Tone> {
-        match self {
-            Self::Linear => vec![Tone::Linear],
-            Self::Srgb => vec![Tone::Srgb],
-            Self::Both => Tone::ALL.to_vec(),
-        }
-    }
-
-    pub(super) fn of(tones: &[Tone]) -> Self {
-        match tones {
-            [Tone::Linear] => Self::Linear,
-            [Tone::Srgb] => Self::Srgb,
-            _ => Self::Both,
-        }
-    }
 }
 
 /// What windows weigh, by the names that users give.

@@ -1,5 +1,6 @@
 //! What `edof train` says while it runs.
 
+use edof_image::Noise;
 use edof_train::train::{Best, Progress, Trainer};
 use edof_train::validation::{Measured, Validation};
 use serde_json::{Value, json};
@@ -34,20 +35,16 @@ pub(super) fn moment(trainer: &Trainer<'_>, validation: &Validation, progress: &
     })
 }
 
-/// Mean and worst ψ over photographs, of each tone and noise.
+/// Mean and worst ψ over photographs, of each noise.
 pub(super) fn levels(validation: &Validation, trainer: &Trainer<'_>) -> Value {
     let recipe = trainer.recipe();
-    let tones = recipe.tones.iter().enumerate();
-    let all = tones.flat_map(|(index, &tone)| {
-        recipe.conditions.validated(tone).into_iter().map(move |noise| {
-            let of = |m: &Measured| m.place.tone == index && m.noise == noise;
-            let at = |psi| validation.mean(|m| of(m) && m.place.psi == psi);
-            let psis = 0..trainer.psis();
-            let worst = psis.filter_map(at).reduce(f64::min);
-            json!({ "tone": tone, "noise": noise.to_string(), "db": validation.mean(of), "worst_db": worst })
-        })
-    });
-    all.collect()
+    let of_noise = |noise: Noise| {
+        let of = |m: &Measured| m.noise == noise;
+        let at = |psi| validation.mean(|m| of(m) && m.place.psi == psi);
+        let worst = (0..trainer.psis()).filter_map(at).reduce(f64::min);
+        json!({ "tone": recipe.tone, "noise": noise.to_string(), "db": validation.mean(of), "worst_db": worst })
+    };
+    recipe.conditions.validated(recipe.tone).into_iter().map(of_noise).collect()
 }
 
 /// Numbers with N digits, parted by blanks.

@@ -1,6 +1,6 @@
 //! Recipes of `edof train` from its options, and the command that states one in full.
 
-use super::options::{Args, Only, Start, Tones, Weighting};
+use super::options::{Args, Only, Start, Weighting};
 use crate::error::Error;
 use crate::form;
 use crate::provenance::CommandLine;
@@ -53,8 +53,14 @@ pub(super) fn recipes(args: &Args, from: Option<&Network>) -> Result<Vec<Recipe>
     set(&mut recipe.validate_every, args.validate_every);
     set(&mut recipe.patience, args.patience);
     set(&mut recipe.lambda, Some(args.lambda.clone()).filter(|l| !l.is_empty()));
-    set(&mut recipe.tones, from.map(tones_of).filter(|tones| !tones.is_empty()));
-    set(&mut recipe.tones, args.tone.map(Tones::all));
+    set(&mut recipe.tone, from.and_then(tone_of));
+    set(&mut recipe.tone, args.tone);
+    if let Some(from) = from.filter(|from| from.origin.values != recipe.tone) {
+        return Err(Error::message(format!(
+            "--from: the network {} takes {} values, and a training with --tone {} makes one that takes {} values; leave --from out",
+            from.origin.name, from.origin.values, recipe.tone, recipe.tone
+        )));
+    }
     set(&mut recipe.weighting, args.weighting.map(Into::into));
     set(&mut recipe.start, args.start.map(Into::into));
     recipe.budget = budget(args, recipe.budget.take())?;
@@ -68,10 +74,9 @@ pub(super) fn recipes(args: &Args, from: Option<&Network>) -> Result<Vec<Recipe>
     Ok(seeds.into_iter().map(|seed| Recipe { seed, ..recipe.clone() }).collect())
 }
 
-/// The tones that a network was trained on, each once.
-fn tones_of(network: &Network) -> Vec<Tone> {
-    let on = |tone: &Tone| network.origin.conditions.iter().any(|condition| condition.tone == *tone);
-    Tone::ALL.into_iter().filter(on).collect()
+/// The tone that a network was trained on.
+fn tone_of(network: &Network) -> Option<Tone> {
+    network.origin.conditions.first().map(|condition| condition.tone)
 }
 
 fn budget(args: &Args, usual: Option<Budget>) -> Result<Option<Budget>, Error> {
@@ -111,7 +116,7 @@ fn stated(option: &str, r: &Recipe) -> Option<String> {
     let (c, a) = (&r.conditions, &r.augmentation);
     let pair = |[low, high]: [f32; 2]| format!("{low}:{high}");
     Some(match option {
-        "tone" => word(Tones::of(&r.tones)),
+        "tone" => r.tone.to_string(),
         "noise" => pair(c.noise),
         "gain" => pair(c.gain),
         "noiseless" => c.noiseless.to_string(),

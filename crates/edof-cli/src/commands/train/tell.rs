@@ -37,7 +37,7 @@ pub(super) fn tell(
         ui.say(format!("seed {}: {:.3} dB{kept}", result.trainer.recipe().seed, best.db))?;
     }
     ui.say(format!(
-        "{}: {:.2} dB on validation windows (mean over photographs, tones, ψ, noise) after {} steps \
+        "{}: {:.2} dB on validation windows (mean over photographs, ψ, noise) after {} steps \
          ({:.0} windows a second); written to {}",
         network.origin.name,
         network.origin.validation_db,
@@ -71,7 +71,7 @@ pub(super) fn tell(
     }))
 }
 
-/// Mean dB by folder, tone and noise, then the worst ψ and noise and the non-zeros.
+/// Mean dB by folder and noise, then the worst ψ and noise and the non-zeros.
 fn tell_validation(
     validation: &Validation,
     trainer: &Trainer<'_>,
@@ -84,7 +84,7 @@ fn tell_validation(
         ui.say(format!("{:10}  {:6}  {:14}  {db:>6}", row.folder, row.tone, row.noise.to_string()))?;
     }
     if let Some((at, db)) = validation.worst() {
-        let (psi, tone) = (trainer.psi(at.place.psi), trainer.recipe().tones[at.place.tone]);
+        let (psi, tone) = (trainer.psi(at.place.psi), trainer.recipe().tone);
         ui.say(format!(
             "worst: {db:.2} dB at psi {psi}, noise {}, {tone} (mean over photographs)",
             at.noise
@@ -108,15 +108,11 @@ struct Row<'a> {
 }
 
 fn rows<'a>(validation: &Validation, trainer: &Trainer<'_>, photographs: &'a [Photograph]) -> Vec<Row<'a>> {
-    let mut rows = vec![];
+    let (mut rows, tone) = (vec![], trainer.recipe().tone);
     for folder in folders(photographs) {
-        for (index, &tone) in trainer.recipe().tones.iter().enumerate() {
-            for noise in trainer.recipe().conditions.validated(tone) {
-                let db = validation.mean(|m| {
-                    photographs[m.place.photo].folder == folder && m.place.tone == index && m.noise == noise
-                });
-                rows.push(Row { folder, tone, noise, db });
-            }
+        for noise in trainer.recipe().conditions.validated(tone) {
+            let db = validation.mean(|m| photographs[m.place.photo].folder == folder && m.noise == noise);
+            rows.push(Row { folder, tone, noise, db });
         }
     }
     rows
@@ -126,7 +122,7 @@ fn table(validation: &Validation, trainer: &Trainer<'_>, photographs: &[Photogra
     let row =
         |r: Row<'_>| json!({ "folder": r.folder, "tone": r.tone, "noise": r.noise.to_string(), "db": r.db });
     let worst = validation.worst().map(|(at, db)| {
-        json!({ "psi": trainer.psi(at.place.psi), "tone": trainer.recipe().tones[at.place.tone], "noise": at.noise.to_string(), "db": db })
+        json!({ "psi": trainer.psi(at.place.psi), "tone": trainer.recipe().tone, "noise": at.noise.to_string(), "db": db })
     });
     json!({
         "levels": levels(validation, trainer),
@@ -139,18 +135,16 @@ fn table(validation: &Validation, trainer: &Trainer<'_>, photographs: &[Photogra
     })
 }
 
-/// dB of each photograph, tone and noise at each ψ that was validated.
+/// dB of each photograph and noise at each ψ that was validated.
 fn by_photograph(validation: &Validation, trainer: &Trainer<'_>, photographs: &[Photograph]) -> Vec<Value> {
-    let mut rows = vec![];
+    let (mut rows, tone) = (vec![], trainer.recipe().tone);
     for (photo, photograph) in photographs.iter().enumerate() {
-        for (index, &tone) in trainer.recipe().tones.iter().enumerate() {
-            for noise in trainer.recipe().conditions.validated(tone) {
-                let own = |m: &&Measured| m.place.photo == photo && m.place.tone == index && m.noise == noise;
-                let sets: Vec<&Measured> = validation.0.iter().filter(own).collect();
-                let psi: Vec<f64> = sets.iter().map(|m| trainer.psi(m.place.psi)).collect();
-                let db: Vec<f64> = sets.iter().map(|m| m.psnr_db).collect();
-                rows.push(json!({ "name": photograph.name(), "tone": tone, "noise": noise.to_string(), "psi": psi, "db": db }));
-            }
+        for noise in trainer.recipe().conditions.validated(tone) {
+            let own = |m: &&Measured| m.place.photo == photo && m.noise == noise;
+            let sets: Vec<&Measured> = validation.0.iter().filter(own).collect();
+            let psi: Vec<f64> = sets.iter().map(|m| trainer.psi(m.place.psi)).collect();
+            let db: Vec<f64> = sets.iter().map(|m| m.psnr_db).collect();
+            rows.push(json!({ "name": photograph.name(), "tone": tone, "noise": noise.to_string(), "psi": psi, "db": db }));
         }
     }
     rows
