@@ -9,7 +9,7 @@ fn captured(more: &str) -> Place {
     let place = Place::new();
     place.fixed_network("net.safetensors");
     let line =
-        "capture leaves --size 80x64 --camera clear --psi 0 --no-measure --out raw.png --video frame.2vuy";
+        "capture leaves --size 80x64 --camera clear --psi 0 --no-measure --tone linear --out raw.png --video frame.2vuy";
     place.edof(&format!("{line} {more}")).done();
     place
 }
@@ -37,7 +37,7 @@ fn video_carries_the_upper_fourteen_bits_chroma_first() {
         place.edof(&format!("{RECONSTRUCT} frame.2vuy --out recorded.png")).done();
         place.write("alone.2vuy", &video);
         let line =
-            format!("{RECONSTRUCT} --video alone.2vuy --size 80x64 --phase gbrg --tone srgb --out alone.png");
+            format!("{RECONSTRUCT} --video alone.2vuy --size 80x64 --phase gbrg --tone linear --out alone.png");
         place.edof(&line).done();
         place.edof(&format!("{RECONSTRUCT} raw.png --out raw-out.png")).done();
         let pictures = ["recorded.png", "alone.png", "raw-out.png"]

@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Array2::from_shape_fn((1080, 1920), |(row, column)| ((row * 2003 + column * 331) % 4096) as u16);
     let frame = || -> Result<f32, Box<dyn std::error::Error>> {
         let raw = RawFrame::from_values(file.clone(), 12, CfaPhase::Rggb)?;
-        Ok(golden.frame(&raw)?.colour().planes[(0, 5, 5)])
+        Ok(golden.frame_of_light(&raw)?.1.planes[(0, 5, 5)])
     };
     frame()?;
     let mut seconds = vec![];

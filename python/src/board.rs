@@ -187,7 +187,8 @@ impl PyBoard {
         baud: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let (design, golden) = (self::design(design)?, fixed(network)?);
-        let raw = cable::carried(&frame(raw, depth, phase, None, None)?);
+        let raw = frame(raw, depth, phase, None, None)?;
+        let raw = cable::carried(&raw.encoded(golden.network().origin.values));
         let (found, frame) = (raw.size(), design.frame);
         if found != (frame.height, frame.width) {
             let (rows, columns) = (frame.height, frame.width);
@@ -198,7 +199,7 @@ impl PyBoard {
         let baud = baud.map_or(Ok(BAUD as usize), |value| size(value, "baud", 1, 100_000_000))? as u32;
         py.detach(|| {
             let sets = [golden.network(), golden.network()];
-            let board = Simulated::new(&design, sets, &Display::default(), raw, baud).or_raise()?;
+            let board = Simulated::new(&design, sets, &Display::of_network(golden.network()), raw, baud).or_raise()?;
             Self::of(Wire::Memory(Box::new(board)), link::PATIENCE)
         })
     }

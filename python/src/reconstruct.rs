@@ -116,7 +116,7 @@ pub fn reconstruct<'py>(
                     "stride {asked}: the network is quantized for a stride of {own}"
                 )));
             }
-            job::run(py, move |_| golden.frame(&raw).map(|frame| frame.colour()))?.or_raise()?
+            job::run(py, move |_| golden.frame_of_light(&raw).map(|(_, light)| light))?.or_raise()?
         }
     };
     Ok(light.planes.into_pyarray(py))
@@ -166,10 +166,11 @@ pub fn board_picture(
     display: &str,
     curve: &str,
 ) -> PyResult<PyBoardPicture> {
-    let display = Display::new(word::<DisplayMode>(display)?, self::curve(curve)?);
     let golden = fixed(network)?;
+    let values = golden.network().origin.values;
+    let display = Display::of_values(values, word::<DisplayMode>(display)?, self::curve(curve)?);
     // To the board leads a cable.
-    let raw = cable::carried(&frame(raw, depth, phase, black_level, white_level)?);
+    let raw = cable::carried(&frame(raw, depth, phase, black_level, white_level)?.encoded(values));
     let (out, (picture, shown)) = job::run(py, move |_| {
         let out = golden.frame(&raw)?;
         let picture = out.picture(&display);
@@ -221,9 +222,10 @@ pub fn words<'py>(
     display: &str,
     curve: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let display = Display::new(word::<DisplayMode>(display)?, self::curve(curve)?);
     let golden = fixed(network)?;
-    let raw = frame(raw, depth, phase, black_level, white_level)?;
+    let values = golden.network().origin.values;
+    let display = Display::of_values(values, word::<DisplayMode>(display)?, self::curve(curve)?);
+    let raw = frame(raw, depth, phase, black_level, white_level)?.encoded(values).into_owned();
     let (boundaries, out, picture) = job::run(py, move |_| {
         let out: GoldenFrame = golden.frame(&raw)?;
         let (picture, _) = out.picture(&display);

@@ -126,7 +126,7 @@ pub fn run(
     }
     let network = FixedNetwork { stride: design.frame.stride, ..network };
     let frames = crops(raw, design.frame, args.frames + BESIDES)?;
-    let display = Display::new(args.display, Curve::default());
+    let display = Display::of_values(network.origin.values, args.display, Curve::default());
     let project = system::project(design, [&network; 2], &display)?;
     let project = match rtl {
         Some(folder) => with_verilog_of(project, folder).map_err(|e| Error::message(format!("--rtl {e}")))?,

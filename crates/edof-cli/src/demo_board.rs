@@ -93,7 +93,8 @@ impl Board {
         let frame = FrameSize { width: SIDE, height: SIDE, ..self.design.frame };
         let design = Design { frame, ..self.design.clone() };
         let crop = cosim_system::crop(raw, busiest_part(raw), frame)?;
-        let (display, start) = (Display::default(), Instant::now());
+        let (values, start) = (self.network.origin.values, Instant::now());
+        let (display, crop) = (Display::of_network(&self.network), crop.encoded(values).into_owned());
         let golden = Golden::new(self.network.clone())?;
         let picture = golden.frame(&carried(&crop))?.picture(&display).0.shown_frame();
         if let Err(error) = edof_cosim::tool::require(SIMULATOR).map_err(Error::from) {

@@ -68,12 +68,12 @@ impl Shot {
         }
     }
 
-    /// The raw frame.
+    /// The raw frame, in the network's values, as a camera sends it to the board.
     ///
     /// # Errors
     /// As [`Shot::taken`].
     pub fn frame(&self, network: &FixedNetwork, ui: &Ui) -> Result<RawFrame, Error> {
-        Ok(self.taken(network, ui)?.1)
+        Ok(self.taken(network, ui)?.1.encoded(network.origin.values).into_owned())
     }
 
     /// What is seen, with the [`tone`] of the network, and the raw frame of it.

@@ -166,7 +166,7 @@ fn project(
     told: &mut impl FnMut(usize, usize, &str),
 ) -> Result<Kc705, BitstreamError> {
     design.check_network(network)?;
-    let display = Display::default();
+    let display = Display::of_network(network);
     let words = TableWords::of(&display);
     let identity = Identity {
         design_hash: identity::design_hash(design),

@@ -181,6 +181,12 @@ impl Reconstructor for FloatReconstructor {
     }
 
     fn reconstruct(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
+        Reconstruction::through(self.network.origin.values, raw, |raw| self.values(raw))
+    }
+}
+
+impl FloatReconstructor {
+    fn values(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
         let start = Instant::now();
         let (height, width) = raw.size();
         self.geometry.check_frame((height, width))?;
@@ -205,7 +211,7 @@ impl Reconstructor for FloatReconstructor {
 mod tests {
     use super::*;
     use edof_camera::Camera;
-    use edof_image::{CfaPhase, Window};
+    use edof_image::{CfaPhase, Tone, Window};
     use edof_network::network::{Form, Origin, Recurrence, Shrinkage};
     use ndarray::Array1;
 
@@ -264,6 +270,20 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_network_of_encoded_values_gives_a_flat_colour_of_light_back() {
+        let mut network = nearest_site_network(12);
+        network.origin.values = Tone::Srgb;
+        let method = FloatReconstructor::new(network, Stride::PATCH, Overlap::Hann, Output::Rgb).unwrap();
+        let raw = flat_raw(CfaPhase::Grbg);
+        for ((plane, ..), v) in method.reconstruct(&raw).unwrap().frame.planes.indexed_iter() {
+            let exact = [60000.0, 30000.0, 10000.0][plane] / 65536.0;
+            assert!((v - exact).abs() < 3e-5, "{v} for {exact}");
+        }
+        let window = method.windows(raw.encoded(Tone::Srgb).pixels().view(), 0, 3);
+        assert!((window[0] - Tone::Srgb.encode(30000.0 / 65536.0)).abs() < 1e-5);
     }
 
     #[test]

@@ -11,7 +11,8 @@ use edof_image::display::{
     TO_CHROMA, TO_CHROMA_SHIFT, TO_LUMA, TO_LUMA_SHIFT, TO_RGB, TO_RGB_SHIFT,
 };
 use edof_image::number::CHROMA_SHIFT;
-use edof_image::{ColourFrame, Frame422};
+use edof_image::{ColourFrame, Frame422, Tone};
+use edof_network::FixedNetwork;
 use ndarray::{Array2, Array3, ArrayViewMut1};
 use rayon::prelude::*;
 
@@ -66,8 +67,21 @@ impl Display {
     /// All tables made from one curve.
     #[must_use]
     pub fn new(mode: DisplayMode, curve: Curve) -> Self {
-        let colour = ColourTable::new(curve);
-        Self { mode, luma: LumaTable::new(curve), colours: [colour.clone(), colour.clone(), colour] }
+        Self::of_values(Tone::Linear, mode, curve)
+    }
+
+    /// All tables made from one curve, for words that are values of a tone: those of a network of such values.
+    #[must_use]
+    pub fn of_values(values: Tone, mode: DisplayMode, curve: Curve) -> Self {
+        let colour = ColourTable::of_values(values, curve);
+        let luma = LumaTable::of_values(values, curve);
+        Self { mode, luma, colours: [colour.clone(), colour.clone(), colour] }
+    }
+
+    /// sRGB's codes in colour, of what a network gives.
+    #[must_use]
+    pub fn of_network(network: &FixedNetwork) -> Self {
+        Self::of_values(network.origin.values, DisplayMode::default(), Curve::default())
     }
 
     /// The codes of the `height`×`width` part of a frame that starts at `top`, `left`: `width` even.

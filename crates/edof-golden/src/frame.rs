@@ -34,7 +34,7 @@ pub struct GoldenFrame {
 }
 
 impl GoldenFrame {
-    /// The frame in linear red, green and blue, as large as the raw frame.
+    /// The frame in red, green and blue, as large as the raw frame: values as the network gives them.
     #[must_use]
     pub fn colour(&self) -> ColourFrame {
         rgb_part_from_422(&self.frame, self.offset, self.size)
@@ -65,6 +65,19 @@ impl Golden {
     #[must_use]
     pub const fn fast(&self) -> &Fast {
         &self.fast
+    }
+
+    /// Reconstructs a frame of light: its words in the network's own values ([`edof_network::network::Origin::values`]) are the golden ones, and
+    /// the picture's light stands beside them.
+    ///
+    /// # Errors
+    /// As [`Golden::frame`].
+    pub fn frame_of_light(&self, raw: &RawFrame) -> Result<(GoldenFrame, ColourFrame), GeometryError> {
+        let values = self.network().origin.values;
+        let out = self.frame(&raw.encoded(values))?;
+        let mut light = out.colour();
+        values.lighten(&mut light);
+        Ok((out, light))
     }
 
     /// Where patches and windows lie.
@@ -104,8 +117,24 @@ pub fn scalar_frame(network: &FixedNetwork, raw: &RawFrame) -> Result<GoldenFram
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::CfaPhase;
+    use edof_image::{CfaPhase, Tone};
     use ndarray::Array2;
+
+    #[test]
+    fn a_frame_of_light_is_encoded_before_the_network_and_its_picture_decoded() {
+        let mut network = edof_random::natural(8, 8, 2);
+        let values = Array2::from_shape_fn((16, 24), |(r, c)| ((r * 997 + c * 131) % 4096) as u16);
+        let raw = RawFrame::from_values(values, 12, CfaPhase::Gbrg).unwrap();
+        let of_light = Golden::new(network.clone()).unwrap();
+        let (out, light) = of_light.frame_of_light(&raw).unwrap();
+        assert_eq!((&out, light), (&of_light.frame(&raw).unwrap(), out.colour()));
+        network.origin.values = Tone::Srgb;
+        let encoded = Golden::new(network).unwrap();
+        let (out, light) = encoded.frame_of_light(&raw).unwrap();
+        assert_eq!(out, of_light.frame(&raw.encoded(Tone::Srgb)).unwrap());
+        let exact = Tone::Srgb.decoded(&out.colour()).planes;
+        assert!(light.planes.iter().zip(&exact).all(|(a, b)| (a - b).abs() < 1e-6 * b.abs().max(1.0)));
+    }
 
     #[test]
     fn a_frame_too_small_is_rejected_alike_in_all_phases_by_the_size_that_was_given() {

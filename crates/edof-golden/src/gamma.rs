@@ -1,9 +1,9 @@
 //! Light to codes by look-up tables that the host can load: one for luma, one for each colour.
 
-use edof_image::ColourFrame;
-use edof_image::colour::srgb_encode;
+use edof_image::colour::{srgb_decode, srgb_encode};
 use edof_image::display::{BLACK, CODES, COLOUR_ADDRESS_BITS, COLOUR_ENTRY_BITS, LUMA_CODES, LUMA_ENTRIES};
 use edof_image::number::OUTPUT_FRACTION;
+use edof_image::{ColourFrame, Tone};
 
 /// Entries of a colour's table.
 const COLOUR_ENTRIES: usize = 1 << COLOUR_ADDRESS_BITS;
@@ -45,9 +45,14 @@ impl Curve {
 
     /// The curve at a word with [`OUTPUT_FRACTION`] fraction bits, times `scale`, plus `zero`; rounded, ties up. Words of 1 and above
     /// are white.
-    fn entry(self, word: usize, scale: f64, zero: f64) -> f64 {
-        let light = (word as f64 / f64::from(1 << OUTPUT_FRACTION)).min(1.0);
-        (zero + scale * self.encode(light) + 0.5).floor()
+    fn entry(self, values: Tone, word: usize, scale: f64, zero: f64) -> f64 {
+        let value = (word as f64 / f64::from(1 << OUTPUT_FRACTION)).min(1.0);
+        let encoded = match (values, self) {
+            (Tone::Srgb, Self::Srgb) => value,
+            (Tone::Srgb, _) => self.encode(srgb_decode(value)),
+            (Tone::Linear, _) => self.encode(value),
+        };
+        (zero + scale * encoded + 0.5).floor()
     }
 }
 
@@ -71,7 +76,14 @@ impl LumaTable {
     /// From black at light 0 to white at light 1 and above.
     #[must_use]
     pub fn new(curve: Curve) -> Self {
-        Self((0..LUMA_ENTRIES).map(|word| curve.entry(word, LUMA_CODES, f64::from(BLACK)) as u8).collect())
+        Self::of_values(Tone::Linear, curve)
+    }
+
+    /// The same for words that are values of a tone.
+    #[must_use]
+    pub fn of_values(values: Tone, curve: Curve) -> Self {
+        let entry = |word| curve.entry(values, word, LUMA_CODES, f64::from(BLACK)) as u8;
+        Self((0..LUMA_ENTRIES).map(entry).collect())
     }
 
     /// A table of the user.
@@ -105,7 +117,14 @@ impl ColourTable {
     /// From 0 at no light to 4095 at light 1.
     #[must_use]
     pub fn new(curve: Curve) -> Self {
-        Self((0..COLOUR_ENTRIES).map(|word| curve.entry(word, f64::from(COLOUR_MAX), 0.0) as u16).collect())
+        Self::of_values(Tone::Linear, curve)
+    }
+
+    /// The same for words that are values of a tone.
+    #[must_use]
+    pub fn of_values(values: Tone, curve: Curve) -> Self {
+        let entry = |word| curve.entry(values, word, f64::from(COLOUR_MAX), 0.0) as u16;
+        Self((0..COLOUR_ENTRIES).map(entry).collect())
     }
 
     /// A table of the user.
@@ -180,6 +199,21 @@ mod tests {
         assert_eq!(LumaTable::new(Curve::Linear).code(1 << 13), 126);
         assert_eq!(LumaTable::new(Curve::Srgb).code(3506), 125);
         assert_eq!(ColourTable::new(Curve::Linear).encoded(1 << 13), 2048);
+    }
+
+    #[test]
+    fn words_that_are_srgbs_values_are_shown_as_their_light_is() {
+        assert_eq!(ColourTable::of_values(Tone::Srgb, Curve::Srgb), ColourTable::new(Curve::Linear));
+        assert_eq!(LumaTable::of_values(Tone::Srgb, Curve::Srgb), LumaTable::new(Curve::Linear));
+        for curve in CURVES {
+            let (of_values, of_light) = (ColourTable::of_values(Tone::Srgb, curve), ColourTable::new(curve));
+            for light in (0..1 << 14).step_by(97) {
+                let value = srgb_encode(f64::from(light) / f64::from(1 << 14));
+                let word = (value * f64::from(1 << 14)).round() as i32;
+                let (found, expected) = (of_values.encoded(word), of_light.encoded(light));
+                assert!((found - expected).abs() <= 2, "{curve:?} {light}: {found}, {expected}");
+            }
+        }
     }
 
     #[test]

@@ -36,6 +36,12 @@ impl Reconstructor for GoldenReconstructor {
 
     /// The board's 4:2:2 frame, turned back into linear red, green and blue.
     fn reconstruct(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
+        Reconstruction::through(self.golden.network().origin.values, raw, |raw| self.values(raw))
+    }
+}
+
+impl GoldenReconstructor {
+    fn values(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
         let start = Instant::now();
         let out = self.golden.frame(raw)?;
         let seconds = start.elapsed().as_secs_f64();

@@ -96,6 +96,12 @@ impl Reconstructor for GpuFloat {
     }
 
     fn reconstruct(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
+        Reconstruction::through(self.network.origin.values, raw, |raw| self.values(raw))
+    }
+}
+
+impl GpuFloat {
+    fn values(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
         let start = Instant::now();
         let frame = self.frame(raw).map_err(|error| error.of(&self.name))?;
         let seconds = start.elapsed().as_secs_f64();

@@ -2,6 +2,7 @@
 
 use crate::cfa::CfaPhase;
 use crate::geometry::{GeometryError, mirror};
+use crate::tone::Tone;
 use ndarray::{Array2, Array3, ArrayView2};
 use std::borrow::Cow;
 
@@ -93,6 +94,28 @@ impl RawFrame {
     #[must_use]
     pub fn size(&self) -> (usize, usize) {
         self.pixels.dim()
+    }
+
+    /// What a camera gives that encodes its sensor's words in a tone, in 16 bits: what a network of such values takes.
+    #[must_use]
+    pub fn encoded(&self, tone: Tone) -> Cow<'_, Self> {
+        match tone {
+            Tone::Linear => Cow::Borrowed(self),
+            Tone::Srgb => Cow::Owned(self.mapped(|word| tone.encode_word(word))),
+        }
+    }
+
+    /// The sensor's words of a frame that a camera encoded, to the nearest of 16 bits.
+    #[must_use]
+    pub fn decoded(&self, tone: Tone) -> Cow<'_, Self> {
+        match tone {
+            Tone::Linear => Cow::Borrowed(self),
+            Tone::Srgb => Cow::Owned(self.mapped(|word| tone.decode_word(word))),
+        }
+    }
+
+    fn mapped(&self, word: impl Fn(u16) -> u16) -> Self {
+        Self { pixels: self.pixels.mapv(word), depth: 16, phase: self.phase }
     }
 
     /// The frame with the bits of each word that the mask has.

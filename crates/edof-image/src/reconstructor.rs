@@ -2,7 +2,9 @@
 
 use crate::frame::{ColourFrame, RawFrame};
 use crate::geometry::GeometryError;
+use crate::tone::Tone;
 use serde::Serialize;
+use std::time::Instant;
 
 /// What a method made of a raw frame, and what it cost.
 #[derive(Debug, Clone)]
@@ -49,6 +51,27 @@ pub enum ReconstructError {
     /// Anything else, in one line.
     #[error("{method}: {reason}")]
     Method { method: String, reason: String },
+}
+
+impl Reconstruction {
+    /// What a method makes of a frame of light whose own values are of a tone: `run` gets the frame encoded, and its picture is decoded.
+    ///
+    /// # Errors
+    /// Those of `run`.
+    pub fn through<E>(
+        values: Tone,
+        raw: &RawFrame,
+        run: impl FnOnce(&RawFrame) -> Result<Self, E>,
+    ) -> Result<Self, E> {
+        let start = Instant::now();
+        let encoded = raw.encoded(values);
+        let before = start.elapsed().as_secs_f64();
+        let mut made = run(&encoded)?;
+        let start = Instant::now();
+        values.lighten(&mut made.frame);
+        made.seconds += before + start.elapsed().as_secs_f64();
+        Ok(made)
+    }
 }
 
 /// A method that turns raw frames into colour frames.

@@ -45,12 +45,23 @@ pub struct RawRecord {
     pub psi: Vec<f64>,
     /// What the scene's numbers were taken for on their way to light.
     pub tone: Tone,
+    /// What the file's words stand for: light, or light that the camera encoded.
+    #[serde(default = "light", skip_serializing_if = "is_light")]
+    pub values: Tone,
     /// The sensor's noise.
     pub noise: Noise,
     /// SHA-256 of the frame that this describes ([`edof_storage::provenance::InputKind::RawFrame`]).
     pub sha256: String,
     /// How the frame was made.
     pub provenance: Provenance,
+}
+
+const fn light() -> Tone {
+    Tone::Linear
+}
+
+fn is_light(values: &Tone) -> bool {
+    *values == light()
 }
 
 /// A record that cannot be read, written or believed.
@@ -253,6 +264,7 @@ mod tests {
             camera: Camera::resolve("clear").unwrap(),
             psi: vec![8.0],
             tone: Tone::Linear,
+            values: Tone::Linear,
             noise: Noise::gaussian(0.01),
             sha256: Input::raw_frame("", &frame).sha256,
             provenance: Provenance { command: "edof capture".into(), ..Provenance::default() },

@@ -38,6 +38,7 @@ impl Reconstructor for BoardReconstructor {
     /// As the golden pipeline; `seconds` are the cycles of this frame's patches at the design's clock.
     fn reconstruct(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
         let mut result = self.golden.reconstruct(raw)?;
+        let raw = &*raw.encoded(self.golden.golden().network().origin.values);
         let (height, width) = raw.size();
         let (rows, columns) = self.geometry.patches(height, width);
         let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));

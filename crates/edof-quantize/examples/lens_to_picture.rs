@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../weights");
     let network = weight_file::load_fixed(&folder.join("edof-t4w12-outer-light.fixed.safetensors"))?;
     assert!(network.origin.camera.same_lens(&camera));
-    let picture = Golden::new(network)?.frame(&shot.raw)?.colour();
+    let (_, picture) = Golden::new(network)?.frame_of_light(&shot.raw)?;
 
     let errors = (&picture.planes - &scene.sharp().planes).mapv(|e| f64::from(e).powi(2));
     println!("{:.1} dB", -10.0 * errors.mean().unwrap_or(1.0).log10());

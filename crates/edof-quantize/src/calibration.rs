@@ -94,6 +94,7 @@ impl Calibration {
         flow: &(impl Fn() -> ControlFlow<()> + Sync),
     ) -> Result<Self, GeometryError> {
         geometry.check_frame(raw.size())?;
+        let raw = raw.encoded(network.origin.values);
         let (raw, _) = raw.to_rggb();
         let (height, width) = raw.size();
         let mirrored = Mirrored::new(&raw, geometry);

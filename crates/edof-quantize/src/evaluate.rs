@@ -74,13 +74,13 @@ pub fn evaluate(
     let losses = scenes
         .iter()
         .map(|scene| {
-            let out = fixed.frame(&scene.raw)?;
+            let (out, light) = fixed.frame_of_light(&scene.raw)?;
             counts.merge(&out.counts);
             let psnr = |light: &ColourFrame| psnr(scene.sharp, &scene.tone.encoded(light));
             Ok(SceneLoss {
                 name: scene.name.clone(),
                 float_db: psnr(&float.reconstruct(&scene.raw)?.frame),
-                fixed_db: psnr(&out.colour()),
+                fixed_db: psnr(&light),
             })
         })
         .collect::<Result<_, ReconstructError>>()?;

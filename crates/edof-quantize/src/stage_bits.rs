@@ -94,7 +94,7 @@ pub fn mean_db(
 ) -> Result<f64, StageBitsError> {
     let golden = Golden::new(network)?;
     let db = |scene: &Scene<'_>| {
-        let picture = golden.frame(&scene.raw).map_err(ReconstructError::from)?.colour();
+        let picture = golden.frame_of_light(&scene.raw).map_err(ReconstructError::from)?.1;
         Ok(psnr(scene.sharp, &scene.tone.encoded(&picture)))
     };
     let all: Vec<f64> = scenes.par_iter().map(db).collect::<Result<_, ReconstructError>>()?;

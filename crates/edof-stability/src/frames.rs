@@ -113,9 +113,10 @@ pub(crate) fn frame(bench: &Bench, frame: &Frame, promise: &Promise) -> Result<T
     Ok(tried)
 }
 
-/// All windows of a frame, as input words.
+/// All windows of a frame of light, as input words of the network.
 pub(crate) fn windows(network: &FixedNetwork, raw: &RawFrame) -> Vec<i16> {
     let geometry = Geometry::new(network.form.window, network.stride);
+    let raw = raw.encoded(network.origin.values);
     let (raw, _) = raw.to_rggb();
     let (rows, columns) = geometry.patches(raw.size().0, raw.size().1);
     let places = (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c)));

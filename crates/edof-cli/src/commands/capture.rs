@@ -263,18 +263,21 @@ fn of_sensor(error: SensorError) -> Error {
     }
 }
 
-/// Writes a frame for a playout card: as light, for the board takes no black level off; and its record.
+/// Writes a frame for a playout card, and its record: without a black level, which the board does not take off, and encoded as networks for
+/// its tone take it.
 fn save_video(path: &Path, record: &RawRecord, frame: &RawFrame) -> Result<(), Error> {
     let levels = Levels { black: record.black_level, white: record.white_level };
-    let light = cable::carried(&levels.light(frame).map_err(|e| Error::message(e.to_string()))?);
-    raw::save_video(path, &light)?;
+    let light = levels.light(frame).map_err(|e| Error::message(e.to_string()))?;
+    let sent = cable::carried(&light.encoded(record.tone));
+    raw::save_video(path, &sent)?;
     let record = RawRecord {
-        depth: light.depth(),
+        depth: sent.depth(),
         alignment: Alignment::Top,
-        video: Some(Size::of(&light)),
+        video: Some(Size::of(&sent)),
         black_level: Black::default(),
         white_level: None,
-        sha256: Input::raw_frame("", &light).sha256,
+        values: record.tone,
+        sha256: Input::raw_frame("", &sent).sha256,
         ..record.clone()
     };
     Ok(record::save(path, &record)?)
@@ -295,6 +298,7 @@ fn record_of(args: &Args, camera: &Camera, scene: &Scene, frame: &RawFrame, ui: 
         camera: camera.clone(),
         psi: scene.layers.iter().map(|layer| layer.psi).collect(),
         tone: args.tone,
+        values: Tone::Linear,
         noise: args.noise,
         sha256: Input::raw_frame(&scene.name, frame).sha256,
         provenance: ui.provenance().for_file(),

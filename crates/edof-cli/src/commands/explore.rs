@@ -235,9 +235,9 @@ fn measure(
     let (mut db, mut pictures) = (0.0, vec![]);
     for shot in &shots {
         let (scene, raw) = shot.taken(network, ui)?;
-        let frame = golden.frame(&raw).map_err(|e| shot.failed(e))?.colour();
+        let (_, frame) = golden.frame_of_light(&raw).map_err(|e| shot.failed(e))?;
         db += psnr(&shown(&scene.sharp(), tone), &shown(&frame, tone), BORDER) / shots.len() as f64;
-        let pairs = explore::pairs(&model, network, &raw, interrupt::flow);
+        let pairs = explore::pairs(&model, network, &raw.encoded(network.origin.values), interrupt::flow);
         interrupt::check()?;
         pictures.push(pairs.map_err(|e| shot.failed(e))?);
         bar.set(pictures.len() as u64);

@@ -6,6 +6,7 @@ use crate::files::Files;
 use crate::form;
 use crate::ui::Ui;
 use crate::weights;
+use edof_image::Tone;
 use edof_image::number::OUTPUT_FRACTION;
 use edof_network::fixed_network::{FixedMatrix, layer_names};
 use edof_network::network::Origin;
@@ -202,6 +203,9 @@ fn tell_origin(origin: &Origin, ui: &Ui) -> Result<(), Error> {
     ui.say(format!("{}: trained for the camera {}, psi {low} to {high}", origin.name, camera.name))?;
     for condition in &origin.conditions {
         ui.say(format!("  light: {}, noise {}", condition.tone, condition.noise_in_words()))?;
+    }
+    if origin.values == Tone::Srgb {
+        ui.say("  takes and gives light encoded as sRGB")?;
     }
     ui.say(format!(
         "  {:.2} dB on validation windows, {} windows seen",

@@ -85,7 +85,8 @@ fn choose(
     let tone = model.conditions.first().map_or(Tone::Linear, |condition| condition.tone);
     let fits = |index: &usize| {
         let origin = &networks[*index].origin;
-        let fit = origin.fit(tone, noise).filter(|_| origin.camera.same_lens(&model.camera));
+        let alike = origin.camera.same_lens(&model.camera) && origin.values == model.values;
+        let fit = origin.fit(tone, noise).filter(|_| alike);
         fit.map(|fit| (*index, fit))
     };
     // Of networks that suit it equally, the one that is in use, then the one in the other bank.

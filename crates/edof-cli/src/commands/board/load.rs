@@ -11,7 +11,7 @@ use edof_board::{Board, Serial, dry_run};
 use edof_device::Design;
 use edof_device::design::memory::Set;
 use edof_golden::{Curve, Display};
-use edof_image::DisplayMode;
+use edof_image::{DisplayMode, Tone};
 use edof_network::FixedNetwork;
 use serde_json::json;
 use std::time::Instant;
@@ -160,6 +160,7 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
         board.load_tables(&display(curve), &mut step).map_err(of)?;
     }
     drop(bar);
+    note_tables(&mut board, &network, ui)?;
     let seconds = start.elapsed().as_secs_f64();
     ui.say(format!(
         "{} in bank {}: {} of {} parts written, {} words of {}, in {seconds:.2} s; bank {} is in use",
@@ -180,6 +181,27 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
         ));
     }
     ui.json(&json!({ "loaded": loaded, "seconds": seconds, "repeats": board.repeats() }))
+}
+
+/// Prints that the display's tables are not those that make a picture of what the network gives.
+fn note_tables(board: &mut Board<Serial>, network: &FixedNetwork, ui: &Ui) -> Result<(), Error> {
+    let (wanted, found) = (suiting(network.origin.values), curve_of(board)?);
+    let encodes = |name: &str| name != "linear";
+    if let Some(found) = found.filter(|found| encodes(found) != encodes(wanted)) {
+        ui.note(format!(
+            "the display's tables are those of {found}, and {} gives {} values: use --curve {wanted}",
+            network.origin.name, network.origin.values
+        ));
+    }
+    Ok(())
+}
+
+/// The curve of the tables that show what a network gives as sRGB's codes.
+const fn suiting(values: Tone) -> &'static str {
+    match values {
+        Tone::Linear => "srgb",
+        Tone::Srgb => "linear",
+    }
 }
 
 /// Rates of lines that a bridge may have, and what a load takes on them.

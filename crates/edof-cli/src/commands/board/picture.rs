@@ -11,6 +11,7 @@ use edof_device::design::FrameSize;
 use edof_device::pattern::TILE_SIDE;
 use edof_golden::video::pattern::tiled;
 use edof_golden::{Golden, Picture};
+use edof_image::Tone;
 use edof_io::{photo, raw};
 use ndarray::{Array2, s};
 use serde_json::json;
@@ -104,7 +105,11 @@ pub fn run(args: &super::Args, picture: &Args, ui: &Ui) -> Result<(), Error> {
     };
     match &picture.what {
         What::Put { raw, at } => {
-            let (tile, (column, row)) = tile(raw, *at)?;
+            let design = args.design_of(&board)?;
+            // Where nobody knows the network, the words are put as they are.
+            let network = network_in_use(&mut board, &design, None);
+            let values = network.map_or(Tone::Linear, |network| network.origin.values);
+            let (tile, (column, row)) = tile(raw, *at, values)?;
             board.put_tile(&tile, &mut step).map_err(of)?;
             ui.say(format!("64x64 pixels from column {column}, row {row} fill the board's frames"))?;
             ui.json(&json!({ "put": raw, "column": column, "row": row }))
@@ -119,7 +124,8 @@ pub fn run(args: &super::Args, picture: &Args, ui: &Ui) -> Result<(), Error> {
             let design = args.design_of(&board)?;
             let golden = Golden::new(network_in_use(&mut board, &design, weights.as_deref())?)?;
             let display = display_in_use(&mut board)?;
-            let frame = tiled(&tile(raw, *put_at)?.0, design.frame)?;
+            let values = golden.network().origin.values;
+            let frame = tiled(&tile(raw, *put_at, values)?.0, design.frame)?;
             let expected = golden.frame(&frame)?.picture(&display).0;
             compare(&mut board, &expected, (design.frame, *at), &mut step, ui)
         }
@@ -127,9 +133,13 @@ pub fn run(args: &super::Args, picture: &Args, ui: &Ui) -> Result<(), Error> {
     }
 }
 
-/// The part of a raw frame that is put, and where it begins: column, row.
-fn tile(file: &Path, at: Option<(usize, usize)>) -> Result<(Array2<u16>, (usize, usize)), Error> {
-    let frame = raw::load(file, &raw::RawOptions::default())?;
+/// The part of a raw frame that is put, in a network's values, and where it begins: column, row.
+fn tile(
+    file: &Path,
+    at: Option<(usize, usize)>,
+    values: Tone,
+) -> Result<(Array2<u16>, (usize, usize)), Error> {
+    let frame = raw::load(file, &raw::RawOptions::default())?.encoded(values).into_owned();
     let (height, width) = frame.size();
     let middle = |length: usize| (length.saturating_sub(TILE_SIDE) / 2) & !1;
     let (column, row) = at.unwrap_or((middle(width), middle(height)));

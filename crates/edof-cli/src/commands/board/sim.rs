@@ -86,15 +86,16 @@ pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
     let design = sized(designs::load(given)?, sim.size)?;
     edof_device::board::clocks(&design).map_err(|e| said::of_file(given, e))?;
     let network = network(&design, given, sim.weights.as_deref())?;
-    let raw = frame(&design, sim)?;
+    let (raw, display) = (frame(&design, sim)?, Display::of_network(&network));
+    let raw = raw.encoded(network.origin.values).into_owned();
     let mut device: Box<dyn Device> = if sim.rtl {
         let with = (Speed::of(args.baud)?, 1);
         ui.note("compiling the design with Verilator");
         let options = Options { cache: Options::user_cache(), ..Options::default() };
-        let board = VerilogBoard::new(&design, [&network; 2], &Display::default(), &raw, with, &options);
+        let board = VerilogBoard::new(&design, [&network; 2], &display, &raw, with, &options);
         Box::new(board?)
     } else {
-        let board = Simulated::new(&design, [&network; 2], &Display::default(), raw, args.baud)?;
+        let board = Simulated::new(&design, [&network; 2], &display, raw, args.baud)?;
         Box::new(InRust::new(board, args.baud))
     };
     interrupt::check()?;

@@ -32,6 +32,7 @@ use edof_network::fixed_network::layer_names;
 use edof_storage::provenance::Input;
 use options::{curve, raw_options};
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -135,10 +136,23 @@ struct Made {
 /// A frame as the network is to see it, and what is known of it.
 struct Taken {
     frame: RawFrame,
+    /// What its words stand for.
+    values: Tone,
     record: Option<RawRecord>,
     /// The camera that took it, where anybody says.
     camera: Option<Camera>,
     rendering: Rendering,
+}
+
+impl Taken {
+    /// The frame in values of a network.
+    fn sent(&self, values: Tone) -> Cow<'_, RawFrame> {
+        match (self.values, values) {
+            (Tone::Linear, to) => self.frame.encoded(to),
+            (from, Tone::Linear) => self.frame.decoded(from),
+            _ => Cow::Borrowed(&self.frame),
+        }
+    }
 }
 
 impl Job<'_> {
@@ -186,7 +200,7 @@ impl Job<'_> {
             None => Box::new(FloatReconstructor::new(network, stride, Overlap::Hann, Output::Rgb)?),
             Some(device) => Box::new(GpuFloat::new(device, network, stride, Overlap::Hann)?),
         };
-        let result = method.reconstruct(&taken.frame).map_err(|e| self.failed(e))?;
+        let result = method.reconstruct(&taken.sent(Tone::Linear)).map_err(|e| self.failed(e))?;
         self.save(result.frame, taken)?;
         let name = method.name().to_owned();
         Ok(Made {
@@ -203,25 +217,30 @@ impl Job<'_> {
         let network = self.fixed_network(taken, ui)?;
         let mut name = format!("{}.fixed", network.origin.name);
         let tone = self.tone(taken);
-        let golden = Golden::new(network)?;
+        let values = network.origin.values;
+        let (golden, raw) = (Golden::new(network)?, taken.sent(values));
+        // To the board leads a cable.
+        let raw = if args.board { Cow::Owned(cable::carried(&raw)) } else { raw };
         let (out, seconds) = match args.device.open()? {
-            None => timed(|| golden.frame(&taken.frame)).map_err(|e| self.failed(e))?,
+            None => timed(|| golden.frame(&raw)).map_err(|e| self.failed(e))?,
             Some(device) => {
                 name += ".gpu";
                 let gpu = GpuGolden::new(device, golden.network().clone(), &name)?;
-                timed(|| gpu.frame(&taken.frame)).map_err(|e| self.failed(e))?
+                timed(|| gpu.frame(&raw)).map_err(|e| self.failed(e))?
             }
         };
-        let (picture, shown) = out.picture(&Display::new(args.display, curve(args, tone)));
+        let (picture, shown) = out.picture(&Display::of_values(values, args.display, curve(args, tone)));
         let board = self.codes_file();
         if let Some(codes) = &board {
             photo::save(&self.out, &picture.shown_frame(), args.bits)?;
             edof_storage::atomic::write(codes, &picture.yuyv())?;
         } else {
-            self.save(out.colour(), taken)?;
+            let mut light = out.colour();
+            values.lighten(&mut light);
+            self.save(light, taken)?;
         }
         if let Some(folder) = &args.words {
-            let boundaries = golden.words(&taken.frame).map_err(|e| self.failed(e))?;
+            let boundaries = golden.words(&raw).map_err(|e| self.failed(e))?;
             words::save(folder, &boundaries, &out.frame, &picture)?;
         }
         let more = json!({
@@ -336,10 +355,9 @@ impl Job<'_> {
         };
         let name = raw.file_name().unwrap_or_default().to_string_lossy();
         ui.used(Input::raw_frame(&name, &frame));
-        let light = levels.light(&frame).map_err(|e| self.level(&e))?;
-        // To the board leads a cable.
-        let frame = if args.board { cable::carried(&light) } else { light };
-        Ok(Taken { frame, record, camera, rendering })
+        let frame = levels.light(&frame).map_err(|e| self.level(&e))?;
+        let values = record.as_ref().map_or(Tone::Linear, |record| record.values);
+        Ok(Taken { frame, values, record, camera, rendering })
     }
 
     /// Whether options take the place of what the record says, which only --force lets them.
