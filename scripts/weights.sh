@@ -1,44 +1,48 @@
 #!/usr/bin/env bash
 # Makes the networks that come with the program again by the recipe (docs/decisions/0005-training.md) that `edof train` follows without
 # options, then quantizes them. Photographs: the study's and those in shared/data/more (EDOF_KODAK, EDOF_MORE), less those that
-# scripts/held-back.sh names. No accelerator is needed; the time is printed network by network. With names as arguments, only these.
+# scripts/held-back.sh names. No accelerator is needed; the time is printed network by network. With names as arguments, only these; classes of light need the first
+# round of the network for all light of their lens.
 # A run that was stopped goes on where it stood. The bytes depend on the processor's kind, not on how many threads it has.
 #
 # A network with several seeds is the best of them, which goes on with a schedule of its own in which all windows weigh alike. Classes of noise (0005) go
-# on from their own first round, or, for light, from the network for all light; the recipe is that of both lenses. Short rounds teach light's networks
-# windows of a single colour, and leave fewer codes where a network exceeds its budget. The files in weights/ whose tone is linear and which are no class
-# are from before the recipe changed (0005) and before photographs were held back. The others are of this script, round by round and not in one run;
-# light's classes went on from networks without the round of colours.
+# on from their own first round, or, for light, from the first round of the network for all light; the recipe is that of both lenses. Light's networks see
+# windows of a single colour. Short rounds leave fewer codes where a network exceeds its budget. The files in weights/ whose tone is linear and which are
+# no class are from before the recipe changed (0005) and before photographs were held back. The others are of this script, round by round and not in one run.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
+# Networks after all rounds but their last, none of whose photographs is held back.
+before="${CARGO_TARGET_DIR:-target}/rounds-held-back"
+mkdir -p "$before"
+
 # Name, form, camera, tone (the paper's convention is linear; srgb are pictures that are looked at encoded) and seeds of the first round, or a network
 # to go on from | options of each round.
 fewer="--steps 6000 --rate 5e-4 --lambda 5e-5,5e-4,9e-3"
-colours="--flat 64 --weighting mse --steps 6000 --rate 5e-4"
-both="$colours --lambda 5e-5,1e-3,9e-3"
+short="--flat 64 --weighting mse --steps 6000 --rate 5e-4 --lambda 1e-4,5e-4,3e-3"
 networks=(
     "paper-t4 paper-t4 ring-2018 linear 1,2,3 | | --weighting mse"
     "edof-t4w12 edof-t4w12 ring-2018 linear 1,2,3 | | --weighting mse"
     "edof-t4w12-outer edof-t4w12 ring-outer linear 1,2,3 | | --weighting mse"
     "edof-t4w12-clear edof-t4w12 clear-mid linear 1,2,3 | | --weighting mse"
-    "edof-t4w12-light edof-t4w12 ring-2018 srgb 1 | | $colours | $both"
-    "edof-t4w12-outer-light edof-t4w12 ring-outer srgb 1 | | $colours | $both"
-    "edof-t4w12-clear-light edof-t4w12 clear-mid srgb 1 | | $colours | $both"
+    "edof-t4w12-light edof-t4w12 ring-2018 srgb 1 | --flat 64 | $short"
+    "edof-t4w12-outer-light edof-t4w12 ring-outer srgb 1 | --flat 64 | $short"
+    "edof-t4w12-clear-light edof-t4w12 clear-mid srgb 1 | --flat 64 | $short"
 )
 # Classes of noise. Half of the windows of the lowest have none; of the lowest of light a quarter.
 for lens in outer:ring-outer clear:clear-mid; do
     name=edof-t4w12-${lens%:*} form="edof-t4w12 ${lens#*:}" low="--noise 0:0.006 --noiseless 2" mid="--noise 0.006:0.014" high="--noise 0.014:0.03"
-    light="$form srgb $name-light" second="--weighting mse --steps 60000" long="--weighting mse --steps 100000" lowest="--gain 1:4 --noiseless 4"
+    light="$form srgb $before/$name-light-1.safetensors" long="--weighting mse --steps 100000" lowest="--gain 1:4 --noiseless 4"
+    second="--flat 64 --weighting mse --steps 60000"
     networks+=(
         "$name-low $form linear 1 | --steps 32000 $low | $low $fewer"
         "$name-mid $form linear 1 | --steps 32000 $mid | $mid --weighting mse --steps 80000 | $mid $long | $mid --weighting mse --steps 6000 --rate 5e-4 --lambda 5e-5,3e-4,2e-2"
         "$name-high $form linear 1 | --steps 32000 $high | $high $fewer"
-        "$name-light-low $light | $lowest $second | $lowest $colours | $lowest $both"
-        "$name-light-high $light | --gain 4:24 $second | --gain 4:24 $colours | --gain 4:24 --flat 64 $long | --gain 4:24 $both"
-        "$name-light-dark $light | --gain 24:4096 $second | --gain 24:4096 $colours | --gain 24:4096 $both"
+        "$name-light-low $light | $lowest $second | $lowest $short"
+        "$name-light-high $light | --gain 4:24 --flat 64 $long | --gain 4:24 $short"
+        "$name-light-dark $light | --gain 24:4096 $second | --gain 24:4096 $short"
     )
 done
 # Ranges of all codes are measured on the study's training photographs.
@@ -46,9 +50,6 @@ calibration=${EDOF_KODAK:-../shared/data/kodak}
 
 cargo build --release --locked --package edof-cli
 edof="${CARGO_TARGET_DIR:-target}/release/edof"
-# Networks after all rounds but their last, none of whose photographs is held back.
-before="${CARGO_TARGET_DIR:-target}/rounds-held-back"
-mkdir -p "$before"
 
 wanted() {
     local name=$1

@@ -50,6 +50,9 @@ fn a_photograph_is_taken_and_learned_from_under_one_tone() {
     place.edof(&format!("{on} --out third.safetensors")).done();
     let about = place.edof("weights third.safetensors --json").done().out;
     assert!(about.contains("\"tone\": \"linear\"") && !about.contains("\"tone\": \"srgb\""), "{about}");
+    // Light is no start for encoded values.
+    let run = place.edof(&format!("{on} --tone srgb --out fourth.safetensors"));
+    run.refused(&["--from", "other takes linear values", "--tone srgb", "srgb values"]);
 }
 
 #[test]

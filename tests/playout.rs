@@ -1,15 +1,16 @@
 //! Raw frames as video that a playout card sends to the board, by the real binary.
 
-use crate::support::Place;
+use crate::support::{self, Place};
+use edof_image::Tone;
 use edof_io::raw::{self, RawOptions};
+use edof_network::weight_file;
 use serde_json::Value;
 
 /// Frame and video of a synthetic scene, with a network beside them.
 fn captured(more: &str) -> Place {
     let place = Place::new();
     place.fixed_network("net.safetensors");
-    let line =
-        "capture leaves --size 80x64 --camera clear --psi 0 --no-measure --tone linear --out raw.png --video frame.2vuy";
+    let line = "capture leaves --size 80x64 --camera clear --psi 0 --no-measure --tone linear --out raw.png --video frame.2vuy";
     place.edof(&format!("{line} {more}")).done();
     place
 }
@@ -36,8 +37,9 @@ fn video_carries_the_upper_fourteen_bits_chroma_first() {
         place.edof(&format!("{RECONSTRUCT} --video frame.2vuy --out video.png")).done();
         place.edof(&format!("{RECONSTRUCT} frame.2vuy --out recorded.png")).done();
         place.write("alone.2vuy", &video);
-        let line =
-            format!("{RECONSTRUCT} --video alone.2vuy --size 80x64 --phase gbrg --tone linear --out alone.png");
+        let line = format!(
+            "{RECONSTRUCT} --video alone.2vuy --size 80x64 --phase gbrg --tone linear --out alone.png"
+        );
         place.edof(&line).done();
         place.edof(&format!("{RECONSTRUCT} raw.png --out raw-out.png")).done();
         let pictures = ["recorded.png", "alone.png", "raw-out.png"]
@@ -54,6 +56,35 @@ fn the_board_makes_the_same_of_a_frame_and_of_its_video() {
     place.edof(&format!("{board} --video frame.2vuy --words of-video --out video.png")).done();
     assert_eq!(bytes(&place, "raw-out.yuyv"), bytes(&place, "video.yuyv"));
     assert_eq!(bytes(&place, "of-raw/words.npz"), bytes(&place, "of-video/words.npz"));
+}
+
+#[test]
+fn video_for_networks_of_encoded_values_is_encoded_and_its_record_says_so() {
+    let place = Place::new();
+    let mut network = support::fixed_network();
+    network.origin.values = Tone::Srgb;
+    weight_file::save_fixed(&place.path("net.safetensors"), &network).unwrap();
+    let line = "capture leaves --size 80x64 --camera clear --psi 0 --noise sensor --no-measure";
+    place.edof(&format!("{line} --out raw.png --video frame.2vuy")).done();
+    let record: Value = serde_json::from_slice(&bytes(&place, "frame.2vuy.json")).unwrap();
+    assert_eq!(record["values"], "srgb");
+    let words = raw::load(&place.path("raw.png"), &RawOptions::default()).unwrap().pixels().clone();
+    for (pair, word) in bytes(&place, "frame.2vuy").chunks_exact(2).zip(&words) {
+        let [chroma, luma] = [pair[0], pair[1]].map(|code| u16::from(code) - 64);
+        assert_eq!(luma * 512 + chroma * 4, Tone::Srgb.encode_word(*word) & !3);
+    }
+    let board = "reconstruct --weights net.safetensors --board";
+    place.edof(&format!("{board} raw.png --words of-raw --out raw-out.png")).done();
+    place.edof(&format!("{board} --video frame.2vuy --words of-video --out video.png")).done();
+    assert_eq!(bytes(&place, "raw-out.yuyv"), bytes(&place, "video.yuyv"));
+    assert_eq!(bytes(&place, "of-raw/words.npz"), bytes(&place, "of-video/words.npz"));
+    // A network that takes light gets the light of the same video.
+    place.fixed_network("light.safetensors");
+    for (file, out) in [("raw.png", "a.ppm"), ("frame.2vuy", "b.ppm")] {
+        place.edof(&format!("reconstruct --weights light.safetensors {file} --out {out}")).done();
+    }
+    let [a, b] = ["a.ppm", "b.ppm"].map(|name| bytes(&place, name));
+    assert!(a.iter().zip(&b).all(|(a, b)| a.abs_diff(*b) <= 1), "the cable's 14 bits cost no code");
 }
 
 #[test]

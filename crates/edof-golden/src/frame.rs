@@ -68,7 +68,7 @@ impl Golden {
     }
 
     /// Reconstructs a frame of light: its words in the network's own values ([`edof_network::network::Origin::values`]) are the golden ones, and
-    /// the picture's light stands beside them.
+    /// the second value is the picture's light.
     ///
     /// # Errors
     /// As [`Golden::frame`].

@@ -2,7 +2,6 @@
 
 use crate::cfa::CfaPhase;
 use crate::geometry::{GeometryError, mirror};
-use crate::tone::Tone;
 use ndarray::{Array2, Array3, ArrayView2};
 use std::borrow::Cow;
 
@@ -96,25 +95,8 @@ impl RawFrame {
         self.pixels.dim()
     }
 
-    /// What a camera gives that encodes its sensor's words in a tone, in 16 bits: what a network of such values takes.
-    #[must_use]
-    pub fn encoded(&self, tone: Tone) -> Cow<'_, Self> {
-        match tone {
-            Tone::Linear => Cow::Borrowed(self),
-            Tone::Srgb => Cow::Owned(self.mapped(|word| tone.encode_word(word))),
-        }
-    }
-
-    /// The sensor's words of a frame that a camera encoded, to the nearest of 16 bits.
-    #[must_use]
-    pub fn decoded(&self, tone: Tone) -> Cow<'_, Self> {
-        match tone {
-            Tone::Linear => Cow::Borrowed(self),
-            Tone::Srgb => Cow::Owned(self.mapped(|word| tone.decode_word(word))),
-        }
-    }
-
-    fn mapped(&self, word: impl Fn(u16) -> u16) -> Self {
+    /// The frame with each word made into another of 16 bits.
+    pub(crate) fn mapped(&self, word: impl Fn(u16) -> u16) -> Self {
         Self { pixels: self.pixels.mapv(word), depth: 16, phase: self.phase }
     }
 

@@ -151,6 +151,9 @@ impl Joint {
         if network.form != self.recipe.form {
             return Err(value("form", format!("{:?}", network.form), "the recipe's").into());
         }
+        if network.origin.values != self.recipe.tone {
+            return Err(value("values", network.origin.values, "linear: a network that takes light").into());
+        }
         let count = parameters(camera).len();
         Ok(JointState {
             round: 0,

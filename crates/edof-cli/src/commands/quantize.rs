@@ -185,7 +185,8 @@ fn tune(
     let camera = &fixed.origin.camera;
     let psis = depths(camera.psi_range);
     let go_on = |_, _| interrupt::flow();
-    let options = DatasetOptions::plain(&psis, fixed.form.window);
+    let plain = DatasetOptions::plain(&psis, fixed.form.window);
+    let options = DatasetOptions { tone: fixed.origin.values, ..plain };
     let dataset = Dataset::new(&frames, camera, options, go_on)?.ok_or(Error::Interrupted)?;
     let bar = ui.progress(steps, "fine-tune");
     let mut first = None;

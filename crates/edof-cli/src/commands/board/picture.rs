@@ -106,7 +106,7 @@ pub fn run(args: &super::Args, picture: &Args, ui: &Ui) -> Result<(), Error> {
     match &picture.what {
         What::Put { raw, at } => {
             let design = args.design_of(&board)?;
-            // Where nobody knows the network, the words are put as they are.
+            // If the program does not have the network, the words are put as they are.
             let network = network_in_use(&mut board, &design, None);
             let values = network.map_or(Tone::Linear, |network| network.origin.values);
             let (tile, (column, row)) = tile(raw, *at, values)?;
