@@ -47,6 +47,20 @@ def raw_words(values, depth):
 # 1.1 On the cable
 
 
+def encoded(words, values):
+    """Words as a sender encodes them for a network of such values."""
+    if values == "linear":
+        return words
+    return np.minimum(np.floor(65536 * curve(values, words / 65536) + 0.5), 65535).astype(np.int64)
+
+
+def decoded(values, value):
+    """The light of values: IEC 61966-2-1."""
+    if values == "linear":
+        return value
+    return np.where(value <= 0.04045, value / 12.92, ((np.maximum(value, 0) + 0.055) / 1.055) ** 2.4)
+
+
 def playout(words):
     """The bytes of a 2vuy file: Cb Y Cr Y."""
     luma, chroma = (words >> 9) + 64, ((words >> 2) & 127) + 64
@@ -99,6 +113,7 @@ class Network:
     form: dict
     fixed: dict
     tensors: dict
+    values: str
 
     @classmethod
     def load(cls, path):
@@ -120,7 +135,7 @@ class Network:
             tensors[name] = np.frombuffer(data[begin:end], "<i2").reshape(entry["shape"]).astype(np.int64)
             digest.update(f"{name} I16 [{', '.join(map(str, entry['shape']))}]".encode() + data[begin:end])
         assert digest.hexdigest() == metadata["sha256"], f"{path}: hash"
-        return cls(metadata["form"], metadata["fixed"], tensors)
+        return cls(metadata["form"], metadata["fixed"], tensors, metadata["origin"].get("values", "linear"))
 
     def recurrent(self, layer):
         """S of M layer `layer` (0 first) and its fraction bits."""
@@ -258,8 +273,9 @@ def wire(codes):
     return np.clip(codes, 1, 254)
 
 
-def display(planes, phase, size, mode, gamma="srgb"):
+def display(planes, phase, size, mode, gamma="srgb", values="linear"):
     """Y', Cb' and Cr' codes, and what could not be shown."""
+    shown_as = (lambda value: value) if gamma == values else (lambda value: curve(gamma, decoded(values, value)))
     (dr, dc), (height, width) = RED_SITE[phase], size
     luma, cb, cr = (plane[dr : dr + height].astype(np.int64) for plane in planes)
     columns = np.arange(width) + dc
@@ -267,12 +283,12 @@ def display(planes, phase, size, mode, gamma="srgb"):
     cb, cr = doubled_chroma(cb, columns), doubled_chroma(cr, columns)
     if mode == "luma":
         light = np.minimum(np.arange(32768) / 2.0**14, 1.0)
-        table = np.floor(16 + 219 * curve(gamma, light) + 0.5).astype(np.int64)
+        table = np.floor(16 + 219 * shown_as(light) + 0.5).astype(np.int64)
         free = [128 + rounded(plane[:, ::2], 8) for plane in (cb, cr)]
         codes = [wire(plane) for plane in free]
         clamped = sum(int(np.count_nonzero(a != b)) for a, b in zip(free, codes))
         return [table[np.maximum(luma, 0)], *codes], {"clamped_chroma": clamped, "out_of_gamut": 0}
-    table = np.floor(4095 * curve(gamma, np.arange(16384) / 2.0**14) + 0.5).astype(np.int64)
+    table = np.floor(4095 * shown_as(np.arange(16384) / 2.0**14) + 0.5).astype(np.int64)
     red = ((luma << 17) + 58975 * cr + (1 << 16)) >> 17
     green = ((luma << 17) - 7015 * cb - 17531 * cr + (1 << 16)) >> 17
     blue = ((luma << 17) + 69491 * cb + (1 << 16)) >> 17
@@ -305,7 +321,7 @@ def shown(codes):
 # 6. The picture as RGB, of linear light
 
 
-def linear_picture(planes, phase, size, most):
+def linear_picture(planes, phase, size, most, values="linear"):
     """Samples of a picture file, 0…most."""
     (dr, dc), (height, width) = RED_SITE[phase], size
     luma, cb, cr = planes
@@ -322,7 +338,8 @@ def linear_picture(planes, phase, size, most):
     red = y + 2 * (1 - 0.2126) * cr
     blue = y + 2 * (1 - 0.0722) * cb
     green = (y - 0.2126 * red - 0.0722 * blue) / 0.7152
-    light = np.stack([red, green, blue], axis=2).astype(np.float32)[dr : dr + height, dc : dc + width]
+    found = np.stack([red, green, blue], axis=2).astype(np.float32)[dr : dr + height, dc : dc + width]
+    light = decoded(values, found).astype(np.float32)
     scaled = np.clip(light, np.float32(0), np.float32(1)) * np.float32(most)
     whole = np.floor(scaled)
     return (whole + (scaled - whole >= 0.5)).astype(np.uint16)

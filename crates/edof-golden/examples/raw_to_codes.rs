@@ -12,11 +12,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // A grey ramp, as a sensor of 12 bits gives it; the cable carries the upper 14 bits of each word.
     let values = ndarray::Array2::from_shape_fn((96, 128), |(_, column)| 32 * column as u16);
-    let raw = cable::carried(&RawFrame::from_values(values, 12, CfaPhase::Rggb)?);
+    let light = RawFrame::from_values(values, 12, CfaPhase::Rggb)?;
+    let raw = cable::carried(&light.encoded(golden.network().origin.values));
 
     let frame = golden.frame(&raw)?;
     println!("{} patches, {} saturated words", frame.counts.patches, frame.counts.saturations());
-    let (picture, _) = frame.picture(&Display::default());
+    let (picture, _) = frame.picture(&Display::of_network(golden.network()));
     println!(
         "luma codes of the middle row: {:?}",
         picture.luma.row(48).iter().step_by(16).collect::<Vec<_>>()

@@ -37,7 +37,8 @@ pub struct Load {
     #[arg(long)]
     read_back: bool,
 
-    /// Also load the display's tables for this curve: linear, srgb or bt709; the picture is frozen meanwhile
+    /// Also load the display's tables for this curve: linear, srgb or bt709; the picture is frozen meanwhile [default: the tables stay,
+    /// unless the network's values need others]
     #[arg(long, value_parser = of_curve, value_name = "CURVE")]
     curve: Option<Curve>,
 
@@ -93,6 +94,10 @@ const CURVES: [(&str, Curve); 3] =
 fn of_curve(name: &str) -> Result<Curve, String> {
     let found = CURVES.iter().find(|(known, _)| *known == name).map(|(_, curve)| *curve);
     found.ok_or_else(|| format!("must be {}", CURVES.map(|(name, _)| name).join(", ")))
+}
+
+fn name_of(curve: Curve) -> &'static str {
+    CURVES.iter().find(|(_, known)| *known == curve).map_or("", |(name, _)| name)
 }
 
 fn display(curve: Curve) -> Display {
@@ -152,15 +157,23 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
         })
         .map_err(of)?;
     bar.of(words, words);
-    if let Some(curve) = load.curve {
+    let in_use = loaded.in_use == loaded.bank;
+    let needed = if load.curve.is_none() && in_use { needed(&mut board, &network)? } else { None };
+    if let Some(curve) = load.curve.or(needed) {
         let mut step = |done, total| {
             bar.of(done, total);
             interrupt::flow()
         };
         board.load_tables(&display(curve), &mut step).map_err(of)?;
     }
+    if let Some(curve) = needed {
+        let (name, values) = (&network.origin.name, network.origin.values);
+        ui.note(format!(
+            "{name} gives {values} values: the display's tables are now those of {}",
+            name_of(curve)
+        ));
+    }
     drop(bar);
-    note_tables(&mut board, &network, ui)?;
     let seconds = start.elapsed().as_secs_f64();
     ui.say(format!(
         "{} in bank {}: {} of {} parts written, {} words of {}, in {seconds:.2} s; bank {} is in use",
@@ -183,25 +196,17 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
     ui.json(&json!({ "loaded": loaded, "seconds": seconds, "repeats": board.repeats() }))
 }
 
-/// Prints that the display's tables are not those that make a picture of what the network gives.
-fn note_tables(board: &mut Board<Serial>, network: &FixedNetwork, ui: &Ui) -> Result<(), Error> {
-    let (wanted, found) = (suiting(network.origin.values), curve_of(board)?);
-    let encodes = |name: &str| name != "linear";
-    if let Some(found) = found.filter(|found| encodes(found) != encodes(wanted)) {
-        ui.note(format!(
-            "the display's tables are those of {found}, and {} gives {} values: use --curve {wanted}",
-            network.origin.name, network.origin.values
-        ));
-    }
-    Ok(())
-}
-
-/// The curve of the tables that show what a network gives as sRGB's codes.
-const fn suiting(values: Tone) -> &'static str {
-    match values {
-        Tone::Linear => "srgb",
-        Tone::Srgb => "linear",
-    }
+/// The curve of the tables that a network's picture needs and the board does not have: those of the same curve for values of another kind.
+fn needed(board: &mut Board<Serial>, network: &FixedNetwork) -> Result<Option<Curve>, Error> {
+    let found = curve_of(board)?;
+    let wanted = match network.origin.values {
+        Tone::Linear => Curve::Srgb,
+        // Its values are sRGB's codes already.
+        Tone::Srgb => Curve::Linear,
+    };
+    let straight = |curve: &Curve| *curve == Curve::Linear;
+    let found = found.and_then(|name| of_curve(name).ok());
+    Ok(found.filter(|found| straight(found) != straight(&wanted)).map(|_| wanted))
 }
 
 /// Rates of lines that a bridge may have, and what a load takes on them.
@@ -289,7 +294,7 @@ fn tables(board: &mut Board<Serial>, wanted: Option<Curve>, ui: &Ui) -> Result<&
         let found = curve_of(board)?;
         return found.ok_or_else(|| of(edof_board::Error::UnknownTables { port: board.port() }));
     };
-    let name = CURVES.iter().find(|(_, known)| *known == curve).map_or("", |(name, _)| name);
+    let name = name_of(curve);
     let differences = board.verify_tables(&display(curve)).map_err(of)?;
     let Some(first) = differences.first() else { return Ok(name) };
     let error = of(edof_board::Error::TablesDiffer {
