@@ -10,7 +10,8 @@ use serde_json::Value;
 fn captured(more: &str) -> Place {
     let place = Place::new();
     place.fixed_network("net.safetensors");
-    let line = "capture leaves --size 80x64 --camera clear --psi 0 --no-measure --tone linear --out raw.png --video frame.2vuy";
+    let line =
+        "capture leaves --size 80x64 --camera clear --psi 0 --no-measure --out raw.png --video frame.2vuy";
     place.edof(&format!("{line} {more}")).done();
     place
 }
@@ -37,9 +38,8 @@ fn video_carries_the_upper_fourteen_bits_chroma_first() {
         place.edof(&format!("{RECONSTRUCT} --video frame.2vuy --out video.png")).done();
         place.edof(&format!("{RECONSTRUCT} frame.2vuy --out recorded.png")).done();
         place.write("alone.2vuy", &video);
-        let line = format!(
-            "{RECONSTRUCT} --video alone.2vuy --size 80x64 --phase gbrg --tone linear --out alone.png"
-        );
+        let line =
+            format!("{RECONSTRUCT} --video alone.2vuy --size 80x64 --phase gbrg --tone srgb --out alone.png");
         place.edof(&line).done();
         place.edof(&format!("{RECONSTRUCT} raw.png --out raw-out.png")).done();
         let pictures = ["recorded.png", "alone.png", "raw-out.png"]
@@ -65,7 +65,7 @@ fn video_for_networks_of_encoded_values_is_encoded_and_its_record_says_so() {
     network.origin.values = Tone::Srgb;
     weight_file::save_fixed(&place.path("net.safetensors"), &network).unwrap();
     let line = "capture leaves --size 80x64 --camera clear --psi 0 --noise sensor --no-measure";
-    place.edof(&format!("{line} --out raw.png --video frame.2vuy")).done();
+    place.edof(&format!("{line} --out raw.png --video frame.2vuy --values srgb")).done();
     let record: Value = serde_json::from_slice(&bytes(&place, "frame.2vuy.json")).unwrap();
     assert_eq!(record["values"], "srgb");
     let words = raw::load(&place.path("raw.png"), &RawOptions::default()).unwrap().pixels().clone();

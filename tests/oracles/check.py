@@ -177,11 +177,10 @@ class Checker:
         with Image.open(raw) as image:
             words = np.asarray(image).astype(np.int64)
         label = f"cable, {depth} bits, {phase}"
-        words = contract.encoded(words, "srgb")
         self.same(label, "2vuy", *(np.frombuffer(file, np.uint8) for file in (contract.playout(words), video.read_bytes())))
         alone.write_bytes(video.read_bytes())
         network = contract.Network.load(weights)
-        y = self.reconstructed(network, contract.carried(words), phase)[0]
+        y = self.reconstructed(network, contract.encoded(contract.carried(words), network.values), phase)[0]
         for file, options in [(video, ["--camera", "ring-outer"]), (alone, size)]:
             self.run("reconstruct", "--video", file, *options, "--weights", weights, "--words", self.folder, "--out", "x.png")
             with np.load(self.folder / "words.npz") as theirs:

@@ -134,6 +134,10 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     video: Option<PathBuf>,
 
+    /// What the words of --video stand for, as the board's network takes them: linear (light) or srgb (encoded light)
+    #[arg(long, requires = "video", default_value_t = Tone::Linear, value_name = "TONE")]
+    values: Tone,
+
     /// Also write the sharp ground truth, 16 bits
     #[arg(long, value_name = "FILE")]
     sharp: Option<PathBuf>,
@@ -207,14 +211,14 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
             progress.of((before + done) as u64, (before + of) as u64);
         }
     };
-    let shot = capture_told(&scene, &camera, &sensor, &approximation, told(0));
-    let shot = shot.map_err(|e| args.of_scene(&e))?;
+    let taken = capture_told(&scene, &camera, &sensor, &approximation, told(0));
+    let shot = taken.map_err(|e| args.of_scene(&e))?;
     let steps = shot.depths.len() + 1;
     raw::save(&args.out, &shot.raw)?;
     let record = record_of(&args, &camera, &scene, &shot.raw, ui);
     record::save(&args.out, &record)?;
     if let Some(path) = &args.video {
-        save_video(path, &record, &shot.raw)?;
+        save_video(path, args.values, &record, &shot.raw)?;
     }
     if let Some(path) = &args.sharp {
         photo::save(path, &args.tone.encoded(&scene.sharp()), 16)?;
@@ -263,12 +267,11 @@ fn of_sensor(error: SensorError) -> Error {
     }
 }
 
-/// Writes a frame for a playout card, and its record: without a black level, which the board does not take off, and encoded as networks for
-/// its tone take it.
-fn save_video(path: &Path, record: &RawRecord, frame: &RawFrame) -> Result<(), Error> {
+/// Writes a frame for a playout card, and its record: in the values of the board's network, without a black level, which no board takes off.
+fn save_video(path: &Path, values: Tone, record: &RawRecord, frame: &RawFrame) -> Result<(), Error> {
     let levels = Levels { black: record.black_level, white: record.white_level };
-    let light = levels.light(frame).map_err(|e| Error::message(e.to_string()))?;
-    let sent = cable::carried(&light.encoded(record.tone));
+    let sent = levels.light(frame).map(|light| cable::carried(&light.encoded(values)));
+    let sent = sent.map_err(|e| Error::message(e.to_string()))?;
     raw::save_video(path, &sent)?;
     let record = RawRecord {
         depth: sent.depth(),
@@ -276,7 +279,7 @@ fn save_video(path: &Path, record: &RawRecord, frame: &RawFrame) -> Result<(), E
         video: Some(Size::of(&sent)),
         black_level: Black::default(),
         white_level: None,
-        values: record.tone,
+        values,
         sha256: Input::raw_frame("", &sent).sha256,
         ..record.clone()
     };

@@ -21,7 +21,6 @@ use edof_image::overlap::Overlap;
 use edof_image::reconstructor::Multiplications;
 use edof_image::{CfaPhase, Channel, ColourFrame, RawFrame, Reconstructor, Stride, Tone, cable};
 use edof_io::levels::{Levels, LevelsError};
-use edof_io::packing::Packing;
 use edof_io::picture::Format;
 use edof_io::raw::RawError;
 use edof_io::read_warnings::{ReadWarning, read_warnings};
@@ -357,12 +356,7 @@ impl Job<'_> {
         let name = raw.file_name().unwrap_or_default().to_string_lossy();
         ui.used(Input::raw_frame(&name, &frame));
         let frame = levels.light(&frame).map_err(|e| self.level(&e))?;
-        let values = match (&record, options.packing) {
-            (Some(record), _) => record.values,
-            // As `edof capture` writes it.
-            (None, Packing::Video) => args.tone.unwrap_or(Tone::Srgb),
-            (None, _) => Tone::Linear,
-        };
+        let values = record.as_ref().map_or(Tone::Linear, |record| record.values);
         Ok(Taken { frame, values, record, camera, rendering })
     }
 
