@@ -193,7 +193,7 @@ class Network:
         (192 x pixels); the last and recurrent only where the form has them."""
 
     def forward(self, windows: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Windows (count x pixels, row by row, light 0 to 1) to patches (count x 192: red, green, blue, each 8x8)."""
+        """Windows (count x pixels, row by row, 0 to 1) to patches (count x 192: red, green, blue, each 8x8): light, or encoded light (`values`)."""
 
     def save(self, path: _Path) -> None:
         """Writes a weight file, whole or not at all."""
@@ -229,6 +229,11 @@ class Network:
     @property
     def sha256(self) -> str:
         """Of its weight file; of a network that was made here, of its weights."""
+
+    @property
+    def values(self) -> str:
+        """What `forward` and the windows' words stand for: linear (light), or srgb (light encoded by `encode`). Frames hold light; `reconstruct`
+        converts."""
 
 @final
 class FixedNetwork:
@@ -267,6 +272,11 @@ class FixedNetwork:
     @property
     def stride(self) -> int:
         """Pixels from one patch to the next."""
+
+    @property
+    def values(self) -> str:
+        """What `forward` and the windows' words stand for: linear (light), or srgb (light encoded by `encode`). Frames hold light; `reconstruct`
+        converts."""
 
     @property
     def code_bits(self) -> int:

@@ -229,6 +229,11 @@ impl PyNetwork {
         &self.hash
     }
 
+    #[getter]
+    fn values(&self) -> String {
+        self.network.origin.values.to_string()
+    }
+
     fn __repr__(&self) -> String {
         format!("Network({}, {}, camera {})", self.name(), self.form(), self.network.origin.camera.name)
     }
@@ -324,6 +329,11 @@ impl PyFixedNetwork {
     #[getter]
     fn stride(&self) -> usize {
         self.0.network().stride.pixels()
+    }
+
+    #[getter]
+    fn values(&self) -> String {
+        self.0.network().origin.values.to_string()
     }
 
     #[getter]
