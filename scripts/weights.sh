@@ -21,15 +21,16 @@ mkdir -p "$before"
 # Name, form, camera, tone (the paper's convention is linear; srgb are pictures that are looked at encoded) and seeds of the first round, or a network
 # to go on from | options of each round.
 fewer="--steps 6000 --rate 5e-4 --lambda 5e-5,5e-4,9e-3"
-short="--flat 64 --weighting mse --steps 6000 --rate 5e-4 --non-zeros 60,60,52 --lambda"
+short="--flat 64 --weighting mse --steps 6000 --rate 5e-4"
+all="$short --non-zeros 60,60,40 --lambda 2e-4,4e-4,1e-1"
 networks=(
     "paper-t4 paper-t4 ring-2018 linear 1,2,3 | | --weighting mse"
     "edof-t4w12 edof-t4w12 ring-2018 linear 1,2,3 | | --weighting mse"
     "edof-t4w12-outer edof-t4w12 ring-outer linear 1,2,3 | | --weighting mse"
     "edof-t4w12-clear edof-t4w12 clear-mid linear 1,2,3 | | --weighting mse"
-    "edof-t4w12-light edof-t4w12 ring-2018 srgb 1 | --flat 64 | $short 1e-4,4e-4,3e-3"
-    "edof-t4w12-outer-light edof-t4w12 ring-outer srgb 1 | --flat 64 | $short 1e-4,4e-4,3e-3"
-    "edof-t4w12-clear-light edof-t4w12 clear-mid srgb 1 | --flat 64 | $short 1e-4,4e-4,3e-3"
+    "edof-t4w12-light edof-t4w12 ring-2018 srgb 1 | --flat 64 | $all"
+    "edof-t4w12-outer-light edof-t4w12 ring-outer srgb 1 | --flat 64 | $all"
+    "edof-t4w12-clear-light edof-t4w12 clear-mid srgb 1 | --flat 64 | $all"
 )
 # Classes of noise. Half of the windows of the lowest have none; of the lowest of light a quarter.
 for lens in outer:ring-outer clear:clear-mid; do
@@ -40,9 +41,9 @@ for lens in outer:ring-outer clear:clear-mid; do
         "$name-low $form linear 1 | --steps 32000 $low | $low $fewer"
         "$name-mid $form linear 1 | --steps 32000 $mid | $mid --weighting mse --steps 80000 | $mid $long | $mid --weighting mse --steps 6000 --rate 5e-4 --lambda 5e-5,3e-4,2e-2"
         "$name-high $form linear 1 | --steps 32000 $high | $high $fewer"
-        "$name-light-low $light | $lowest $second | $lowest $short 5e-5,5e-5,3e-4"
-        "$name-light-high $light | --gain 4:24 --flat 64 $long | --gain 4:24 $short 2e-4,4e-4,5e-5"
-        "$name-light-dark $light | --gain 24:4096 $second | --gain 24:4096 $short 1e-4,1e-4,1e-4"
+        "$name-light-low $light | $lowest $second | $lowest $short --non-zeros 60,60,42 --lambda 2e-4,1e-4,6e-2"
+        "$name-light-high $light | --gain 4:24 --flat 64 $long | --gain 4:24 $short --non-zeros 60,60,52 --lambda 4e-4,4e-4,5e-5"
+        "$name-light-dark $light | --gain 24:4096 $second"
     )
 done
 # Ranges of all codes are measured on the study's training photographs.
