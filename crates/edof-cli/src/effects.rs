@@ -21,9 +21,10 @@ use Needs::{Elsewhere, With, Without};
 /// A command's words, with `*` for any; an option; what it needs.
 type Row = (&'static [&'static str], &'static str, Needs);
 
-const ROWS: [Row; 27] = [
+const ROWS: [Row; 28] = [
     (&["capture"], "map_of", With("depth_map")),
     (&["capture"], "layers", With("depth_map")),
+    (&["capture"], "values", With("video")),
     (&["capture"], "energy", Without("exact")),
     (&["capture"], "wavelength_tolerance", Without("exact")),
     (&["capture"], "depth_tolerance", Without("exact")),

@@ -26,7 +26,7 @@ const COMMANDS: [(&str, &[Group]); 10] = [
             ("Scene", &["size", "seed", "tone", "depth-map", "range", "map-of", "layers"]),
             ("Lens and depth", &["camera", "psf-bank", "psi", "nominal"]),
             ("Sensor", &["bit-depth", "phase", "noise", "black-level"]),
-            ("Files to write", &["out", "video", "sharp", "light"]),
+            ("Files to write", &["out", "video", "values", "sharp", "light"]),
             ("Accuracy", &["energy", "wavelength-tolerance", "depth-tolerance", "exact", "measure"]),
         ],
     ),

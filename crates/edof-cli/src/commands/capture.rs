@@ -135,7 +135,7 @@ pub struct Args {
     video: Option<PathBuf>,
 
     /// What the words of --video stand for, as the board's network takes them: linear (light) or srgb (encoded light)
-    #[arg(long, requires = "video", default_value_t = Tone::Linear, value_name = "TONE")]
+    #[arg(long, default_value_t = Tone::Linear, value_name = "TONE")]
     values: Tone,
 
     /// Also write the sharp ground truth, 16 bits

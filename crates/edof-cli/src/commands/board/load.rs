@@ -10,6 +10,7 @@ use edof_board::load::Job;
 use edof_board::{Board, Serial, dry_run};
 use edof_device::Design;
 use edof_device::design::memory::Set;
+use edof_device::registers::identity::weights_hash;
 use edof_golden::{Curve, Display};
 use edof_image::{DisplayMode, Tone};
 use edof_network::FixedNetwork;
@@ -147,6 +148,7 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
         let held = board.crcs(&wanted.iter().collect::<Vec<_>>()).map_err(of)?;
         return plan(args, load, &job, bank, Some(&held), ui);
     }
+    let before = values_in_use(&board, &design, &known);
     let start = Instant::now();
     let (bar, mut words) = (ui.progress(0, "words"), 0);
     let loaded = board
@@ -158,7 +160,12 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
         .map_err(of)?;
     bar.of(words, words);
     let in_use = loaded.in_use == loaded.bank;
-    let needed = if load.curve.is_none() && in_use { needed(&mut board, &network)? } else { None };
+    // Reading the tables' CRCs takes as long as loading a small network.
+    let may_differ = before == Some(Tone::Srgb) || network.origin.values == Tone::Srgb;
+    let needed = match load.curve {
+        None if in_use && may_differ => needed(&mut board, &network)?,
+        _ => None,
+    };
     if let Some(curve) = load.curve.or(needed) {
         let mut step = |done, total| {
             bar.of(done, total);
@@ -194,6 +201,12 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
         ));
     }
     ui.json(&json!({ "loaded": loaded, "seconds": seconds, "repeats": board.repeats() }))
+}
+
+/// The values of the network in use, where the program has it.
+fn values_in_use(board: &Board<Serial>, design: &Design, known: &[FixedNetwork]) -> Option<Tone> {
+    let is_in_use = |network: &&FixedNetwork| weights_hash(design, network) == board.identity.weights_hash;
+    known.iter().find(is_in_use).map(|network| network.origin.values)
 }
 
 /// The curve of the tables that a network's picture needs and the board does not have: those of the same curve for values of another kind.

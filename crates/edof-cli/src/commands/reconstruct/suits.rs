@@ -90,7 +90,7 @@ impl Job<'_> {
 /// What a network loses on frames of a tone where it was trained on the other one, as measured with the program's own.
 const fn loss_of(tone: Tone) -> &'static str {
     match tone {
-        Tone::Srgb => "about 1 dB less than of one that was, at any noise",
-        Tone::Linear => "about 4 dB less than of one that was, 1.5 dB where noise is 0.01",
+        Tone::Srgb => "about 2 dB less than of one that was, at any noise",
+        Tone::Linear => "about 3 dB less than of one that was, 1 dB where noise is 0.01",
     }
 }
