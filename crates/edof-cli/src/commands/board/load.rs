@@ -214,7 +214,7 @@ fn needed(board: &mut Board<Serial>, network: &FixedNetwork) -> Result<Option<Cu
     let found = curve_of(board)?;
     let wanted = match network.origin.values {
         Tone::Linear => Curve::Srgb,
-        // Its values are sRGB's codes already.
+        // Such values are sRGB's codes already.
         Tone::Srgb => Curve::Linear,
     };
     let straight = |curve: &Curve| *curve == Curve::Linear;
