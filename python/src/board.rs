@@ -199,7 +199,8 @@ impl PyBoard {
         let baud = baud.map_or(Ok(BAUD as usize), |value| size(value, "baud", 1, 100_000_000))? as u32;
         py.detach(|| {
             let sets = [golden.network(), golden.network()];
-            let board = Simulated::new(&design, sets, &Display::of_network(golden.network()), raw, baud).or_raise()?;
+            let board = Simulated::new(&design, sets, &Display::of_network(golden.network()), raw, baud)
+                .or_raise()?;
             Self::of(Wire::Memory(Box::new(board)), link::PATIENCE)
         })
     }

@@ -160,10 +160,8 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
         .map_err(of)?;
     bar.of(words, words);
     let in_use = loaded.in_use == loaded.bank;
-    // Reading the tables' CRCs takes as long as loading a small network.
-    let may_differ = before == Some(Tone::Srgb) || network.origin.values == Tone::Srgb;
     let needed = match load.curve {
-        None if in_use && may_differ => needed(&mut board, &network)?,
+        None if in_use => needed(&mut board, &network, before)?,
         _ => None,
     };
     if let Some(curve) = load.curve.or(needed) {
@@ -209,8 +207,17 @@ fn values_in_use(board: &Board<Serial>, design: &Design, known: &[FixedNetwork])
     known.iter().find(is_in_use).map(|network| network.origin.values)
 }
 
-/// The curve of the tables that a network's picture needs and the board does not have: those of the same curve for values of another kind.
-fn needed(board: &mut Board<Serial>, network: &FixedNetwork) -> Result<Option<Curve>, Error> {
+/// The curve of the tables that a network's picture needs and the board does not have, where the network of before had, or may have had, values of
+/// another kind.
+fn needed(
+    board: &mut Board<Serial>,
+    network: &FixedNetwork,
+    before: Option<Tone>,
+) -> Result<Option<Curve>, Error> {
+    // Reading the tables' CRCs takes as long as loading a small network.
+    if before != Some(Tone::Srgb) && network.origin.values == Tone::Linear {
+        return Ok(None);
+    }
     let found = curve_of(board)?;
     let wanted = match network.origin.values {
         Tone::Linear => Curve::Srgb,
