@@ -3,6 +3,8 @@
 #![cfg(target_os = "linux")]
 
 use crate::support::{Place, forge};
+use edof_image::Tone;
+use edof_network::weight_file;
 use serde_json::Value;
 use std::io::{Read, Write};
 use std::os::unix::process::ExitStatusExt;
@@ -376,6 +378,27 @@ fn a_simulated_board_has_the_clock_and_the_pace_of_its_design() {
     assert!(made > 0.0 && made < 25.0 && (shown - 60.0).abs() < 10.0, "{report}");
     let busy = number(report, "busy_share");
     assert!(busy > 0.5 && busy < 1.2, "{report}");
+}
+
+#[test]
+fn a_network_of_encoded_values_brings_the_tables_that_show_them() {
+    let place = Place::new();
+    drawn(&place, "new", 9);
+    let file = place.path("new.fixed.safetensors");
+    let mut network = weight_file::load_fixed(&file).unwrap();
+    network.origin.values = Tone::Srgb;
+    weight_file::save_fixed(&file, &network).unwrap();
+    let _sim = Sim::start(&place, "");
+    let load = || place.edof("board load new.fixed.safetensors --port board").done().err;
+    let told = "gives srgb values: the display's tables are now those of linear";
+    let first = load();
+    assert!(first.contains(told), "{first}");
+    board(&place, "verify new.fixed.safetensors --curve linear");
+    assert!(!load().contains(told), "they are there");
+    // Who names a curve gets it.
+    let named = place.edof("board load new.fixed.safetensors --curve srgb --port board").done().err;
+    assert!(!named.contains(told), "{named}");
+    board(&place, "verify new.fixed.safetensors --curve srgb");
 }
 
 #[test]
