@@ -31,6 +31,18 @@ impl Tone {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Linear, Self::Srgb];
 
+    /// Light itself: what values are of which a file says nothing.
+    #[must_use]
+    pub const fn light() -> Self {
+        Self::Linear
+    }
+
+    /// Whether values of this tone are light.
+    #[must_use]
+    pub fn is_light(&self) -> bool {
+        *self == Self::light()
+    }
+
     /// Value that stands for `light`; both are 0…1 from black to white.
     ///
     /// Beyond white the curve continues; below black it is odd, encode(−x) = −encode(x), so that an error above black and

@@ -46,7 +46,7 @@ pub struct RawRecord {
     /// What the scene's numbers were taken for on their way to light.
     pub tone: Tone,
     /// What the file's words stand for: light, or light that the camera encoded.
-    #[serde(default = "light", skip_serializing_if = "is_light")]
+    #[serde(default = "Tone::light", skip_serializing_if = "Tone::is_light")]
     pub values: Tone,
     /// The sensor's noise.
     pub noise: Noise,
@@ -54,14 +54,6 @@ pub struct RawRecord {
     pub sha256: String,
     /// How the frame was made.
     pub provenance: Provenance,
-}
-
-const fn light() -> Tone {
-    Tone::Linear
-}
-
-fn is_light(values: &Tone) -> bool {
-    *values == light()
 }
 
 /// A record that cannot be read, written or believed.

@@ -159,7 +159,7 @@ pub struct Origin {
     pub conditions: Vec<Condition>,
     /// What the values stand for that it takes and gives: light, or light encoded in a tone. Frames hold light, so they are encoded before
     /// such a network, and its picture is decoded.
-    #[serde(default = "light", skip_serializing_if = "is_light")]
+    #[serde(default = "Tone::light", skip_serializing_if = "Tone::is_light")]
     pub values: Tone,
     /// Patches seen.
     pub patches: u64,
@@ -187,14 +187,6 @@ pub struct Condition {
 
 fn is_none(noise: &Noise) -> bool {
     *noise == Noise::None
-}
-
-const fn light() -> Tone {
-    Tone::Linear
-}
-
-fn is_light(values: &Tone) -> bool {
-    *values == light()
 }
 
 impl Origin {
