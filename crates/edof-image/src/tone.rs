@@ -31,7 +31,7 @@ impl Tone {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Linear, Self::Srgb];
 
-    /// Light itself: what values are of which a file says nothing.
+    /// Light itself: the values of a file that does not state any.
     #[must_use]
     pub const fn light() -> Self {
         Self::Linear
