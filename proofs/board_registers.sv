@@ -61,7 +61,7 @@ module prove (
     wire [11:0] row = address[14:3];
     // Rows of the first bank: weights, thresholds, registers.
     wire [11:0] rows = space == 3 ? 1 : space != 0 ? (stage == 3 ? 64 : 8) : stage == 0 ? 64 : stage == 3 ? 320 : 32;
-    wire in_use = stage < 4 && (space != 3 || row < 2) && (row >= rows) == control[2];
+    wire in_use = stage < 4 && (space != 3 || row < 2) && (protection[2] || (row >= rows) == control[2]);
     wire checked = word[31:16] == ~word[15:0];
     wire barred = protection[0] && ((weights && in_use) || (tables && control[0]));
     wire unchecked = area && ((address[7:2] == 5 && protection[1]) || address[7:2] == 7) && !checked;
@@ -98,7 +98,7 @@ module prove (
         end else begin
             if (now && address[7:2] == 4) {hash_known, hash_then} <= {1'b1, word};
             if (now && address[7:2] == 5) control_then <= word & 31;
-            if (now && address[7:2] == 7) protection_then <= word & 3;
+            if (now && address[7:2] == 7) protection_then <= word & 7;
             if (b_valid && age == 4 && !$past(b_valid) && kept_out) refused <= refused + 1;
         end
         if (waits || stage_valid || weight_valid || table_valid) error <= unreached_i;

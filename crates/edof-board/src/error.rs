@@ -50,7 +50,7 @@ pub enum Error {
     Noisy { port: String, what: String, tried: u32 },
     /// Words that the board's protection keeps out.
     #[error(
-        "{port}: words for 0x{address:x} are rejected: they belong to the bank or the tables in use (protection.bank)"
+        "{port}: words for 0x{address:x} are rejected: they belong to the bank or the tables in use, or to a bank in a check (protection)"
     )]
     Refused { port: String, address: u32 },
     /// No serial port.

@@ -1,8 +1,8 @@
 //! Networks onto a board, and whether they are there.
 //!
 //! A load writes a bank that is not in use, has the circuit make a CRC of every part of it, writes what is wrong once more, and has frames
-//! made with it only when all is right. What is in use takes no words meanwhile (`protection`), is looked at before and after, and a reset
-//! of the board, or a word that went astray, is seen, and what it changed is put back.
+//! made with it only when all is right. What is in use takes no words meanwhile (`protection`), nor does the new bank while it is checked. What is
+//! in use is looked at before and after. A reset of the board, or a word that went astray, is seen, and what it changed is put back.
 
 use crate::board::{Board, SKIP_ROW, bank_of, control_bit};
 use crate::contents::{Part, frames, letter, other, parts, table_parts};
@@ -13,7 +13,8 @@ use edof_device::Design;
 use edof_device::design::memory::Set;
 use edof_device::registers::identity::weights_hash;
 use edof_device::registers::map::{
-    CONTROL, FLUSH, PROTECT_BANK, PROTECT_CONTROL, PROTECTION, RUN, SCRATCH, WEIGHT_SET, WEIGHTS_HASH,
+    CONTROL, FLUSH, PROTECT_BANK, PROTECT_CONTROL, PROTECT_OTHER, PROTECTION, RUN, SCRATCH, WEIGHT_SET,
+    WEIGHTS_HASH,
 };
 use edof_golden::Display;
 use edof_network::FixedNetwork;
@@ -100,6 +101,10 @@ struct Kept {
 /// What stands in `protection` from a load on.
 const PROTECTED: u32 = PROTECT_BANK | PROTECT_CONTROL;
 
+/// What stands there from the first check of a bank until it is in use, but while it is written. Every question of a check is a written word, and one
+/// that goes astray could change what was checked.
+const SEALED: u32 = PROTECTED | PROTECT_OTHER;
+
 /// What stands in `scratch` during a load: a reset clears it.
 fn mark(hash: u32) -> u32 {
     hash | 1
@@ -135,18 +140,19 @@ impl<L: Line> Board<L> {
                 self.switch(target, hash)?;
             }
             if self.link.read(SCRATCH, 1)? == [mark(hash)] {
+                self.link.set_checked(PROTECTION, PROTECTED)?;
                 loaded.in_use = letter(if switches { target } else { in_use });
                 loaded.recovered |= recovered;
                 return Ok(loaded);
             }
             // A reset at the last moment.
-            recovered |= self.recover(&kept, hash)?;
+            recovered |= self.recover(&kept, hash, SEALED)?;
         }
         let (bank, active) = (letter(target), letter(kept.bank));
         Err(Error::NotLoaded { port: self.port(), bank, active, wrong: 0, rounds: ROUNDS })
     }
 
-    /// Writes a bank that is not in use until all of it is right.
+    /// Writes a bank that is not in use until all of it is right. It takes no words then.
     fn fill(
         &mut self,
         job: &Job<'_>,
@@ -168,6 +174,7 @@ impl<L: Line> Board<L> {
             recovered: false,
             weights_hash: hash,
         };
+        self.link.set_checked(PROTECTION, SEALED)?;
         let mut found: Vec<Option<u32>> = match job.full {
             true => vec![None; all.len()],
             false => self.crcs(&all)?.into_iter().map(Some).collect(),
@@ -185,7 +192,7 @@ impl<L: Line> Board<L> {
             let wrong = missing.iter().filter(|words| !words.is_empty()).count();
             if wrong == 0 {
                 // What asked for the CRCs may have gone astray itself, into registers of the stages.
-                let astray = self.restore_stages(kept, &wanted)? | self.recover(kept, hash)?;
+                let astray = self.restore_stages(kept, &wanted)? | self.recover(kept, hash, SEALED)?;
                 if !astray {
                     break;
                 }
@@ -204,6 +211,7 @@ impl<L: Line> Board<L> {
             loaded.written_parts = loaded.written_parts.max(wrong);
             let total = missing.iter().map(|words| words.len() as u64).sum();
             let mut done = 0;
+            self.link.set_checked(PROTECTION, PROTECTED)?;
             for words in missing.iter().filter(|words| !words.is_empty()) {
                 for (address, some) in frames(words, MAX_WORDS) {
                     if progress(done, total).is_break() {
@@ -212,11 +220,12 @@ impl<L: Line> Board<L> {
                     self.link.write(address, &some)?;
                     done += some.len() as u64;
                 }
-                loaded.recovered |= self.recover(kept, hash)?;
+                loaded.recovered |= self.recover(kept, hash, PROTECTED)?;
             }
             loaded.words += done;
+            self.link.set_checked(PROTECTION, SEALED)?;
             found = self.crcs(&all)?.into_iter().map(Some).collect();
-            loaded.recovered |= self.recover(kept, hash)?;
+            loaded.recovered |= self.recover(kept, hash, SEALED)?;
             if job.read_back && found.iter().zip(&all).all(|(crc, part)| *crc == Some(part.crc)) {
                 let differences = self.rows_unlike(&all, &mut |_, _| progress(total, total))?;
                 for (index, _) in differences {
@@ -233,16 +242,23 @@ impl<L: Line> Board<L> {
         let shifts = wanted.iter().filter(|part| part.is_shifts()).map(|part| part.rows[0] as u32).collect();
         let expected: [(usize, Vec<u32>); 2] =
             [(other(kept.bank) as usize, shifts), (SKIP_ROW, kept.skips.clone())];
-        let mut changed = false;
+        let mut wrong = vec![];
         for (row, words) in expected {
             let found = self.stage_register(kept.skips.len(), row)?;
-            for (stage, word) in words.into_iter().enumerate().filter(|(stage, word)| found[*stage] != *word)
-            {
-                self.set_stage_register(stage, row, word)?;
-                changed = true;
-            }
+            let differs = |(stage, word): &(usize, u32)| found[*stage] != *word;
+            wrong.extend(
+                words.into_iter().enumerate().filter(differs).map(|(stage, word)| (stage, row, word)),
+            );
         }
-        Ok(changed)
+        if wrong.is_empty() {
+            return Ok(false);
+        }
+        self.link.set_checked(PROTECTION, PROTECTED)?;
+        for (stage, row, word) in wrong {
+            self.set_stage_register(stage, row, word)?;
+        }
+        self.link.set_checked(PROTECTION, SEALED)?;
+        Ok(true)
     }
 
     /// Notes what must stay as it is, as two looks agree on it with a pause between: a byte too many in flight stands before each later answer until
@@ -267,14 +283,14 @@ impl<L: Line> Board<L> {
         Ok(Kept { bank, control: registers[1], hash: registers[0], skips })
     }
 
-    /// Puts registers back that a reset or a word that went astray has changed; whether there were any. A reset leaves the bank in use, and
-    /// what the stages hold.
-    fn recover(&mut self, kept: &Kept, hash: u32) -> Result<bool, Error> {
-        let expected = [kept.hash, kept.control, mark(hash), PROTECTED];
+    /// Puts registers back that a reset or a word that went astray has changed, with what `protection` should be; whether there were any. A reset
+    /// leaves the bank in use, and what the stages hold.
+    fn recover(&mut self, kept: &Kept, hash: u32, protection: u32) -> Result<bool, Error> {
+        let expected = [kept.hash, kept.control, mark(hash), protection];
         if self.link.glance(WEIGHTS_HASH, 4)? == expected || self.link.read(WEIGHTS_HASH, 4)? == expected {
             return Ok(false);
         }
-        self.link.set_checked(PROTECTION, PROTECTED)?;
+        self.link.set_checked(PROTECTION, protection)?;
         self.link.set_checked(CONTROL, kept.control)?;
         self.link.set(WEIGHTS_HASH, kept.hash)?;
         self.link.set(SCRATCH, mark(hash))?;

@@ -127,8 +127,9 @@ impl Registers {
     fn keeps_out(&self, address: u32, word: u32, weights: Option<u32>, is_table: bool) -> bool {
         let (control, protection) = (self.controls[&CONTROL], self.controls[&PROTECTION]);
         let set = if control & map::WEIGHT_SET == 0 { Set::First } else { Set::Second };
-        let in_use = weights.and_then(|index| memory::set_of(&self.design, index)) == Some(set);
-        let of_bank = in_use || (is_table && control & map::RUN != 0);
+        let both = protection & map::PROTECT_OTHER != 0;
+        let own = weights.and_then(|index| memory::set_of(&self.design, index));
+        let of_bank = own.is_some_and(|own| both || own == set) || (is_table && control & map::RUN != 0);
         let wants_check =
             address == PROTECTION || (address == CONTROL && protection & map::PROTECT_CONTROL != 0);
         (of_bank && protection & map::PROTECT_BANK != 0) || (wants_check && !map::is_checked(word))

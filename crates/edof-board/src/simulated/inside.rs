@@ -138,8 +138,10 @@ impl Inside {
     pub(super) fn keeps_out(&self, address: u32, word: u32) -> bool {
         let protection = self.controls.get(&map::PROTECTION).copied().unwrap_or(0);
         let set = crate::board::bank_of(self.control());
+        let both = protection & map::PROTECT_OTHER != 0;
         let of_bank = word_of(&WEIGHTS, address)
-            .is_some_and(|index| memory_map::set_of(&self.design, index as u32) == Some(set));
+            .and_then(|index| memory_map::set_of(&self.design, index as u32))
+            .is_some_and(|own| both || own == set);
         let of_table = word_of(&DISPLAY_TABLES, address).is_some() && self.control() & map::RUN != 0;
         let wants_check =
             address == map::PROTECTION || (address == map::CONTROL && protection & map::PROTECT_CONTROL != 0);

@@ -106,6 +106,12 @@ fn a_long_answer_after_a_reset_is_waited_out() {
     survive_all([11_351, 12_158].into_iter());
 }
 
+/// A question of the last check became a word for the new bank, which nothing protected between its CRCs and its use.
+#[test]
+fn no_question_of_a_check_changes_what_was_checked() {
+    survive_all([9714].into_iter());
+}
+
 #[test]
 #[ignore = "minutes: scripts/soak.sh"]
 fn no_fault_of_20000_is_lost() {

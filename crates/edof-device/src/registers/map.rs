@@ -126,6 +126,11 @@ pub const REGISTERS: &[Register] = &[
                 1,
                 "`control`, too, accepts only words whose upper half is the complement of the lower one.",
             ),
+            bit(
+                "other",
+                2,
+                "With `bank`, words for the other bank are rejected, too: what is checked before it is used stays as it was checked.",
+            ),
         ],
         "Protection against stray words. The register accepts only words whose upper half is the complement of the lower one.",
     ),

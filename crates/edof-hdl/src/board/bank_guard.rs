@@ -1,12 +1,12 @@
-//! Which words belong to the bank in use.
+//! Which words belong to a bank that takes none.
 
 use crate::describe::{Circuit, kernel};
 use edof_device::design::Design;
 use edof_device::design::memory::rows_of_a_set;
 use rust_hdl::prelude::*;
 
-/// Whether a word for the calculator belongs to the bank in use (`edof_device::design::memory::set_of`). An address stands for two cycles or
-/// more; the answer is there two cycles after it came.
+/// Whether a word for the calculator belongs to the bank in use, or to one of both (`edof_device::design::memory::set_of`). An address stands for
+/// two cycles or more; the answer is there two cycles after it came.
 #[derive(Circuit)]
 #[circuit(registers(clock))]
 pub struct BankGuard {
@@ -16,7 +16,9 @@ pub struct BankGuard {
     pub address: Signal<In, Bits<25>>,
     /// The bank in use.
     pub set: Signal<In, Bit>,
-    /// The word belongs to it.
+    /// Both banks count.
+    pub both: Signal<In, Bit>,
+    /// The word belongs to such a bank.
     pub hits: Signal<Out, Bit>,
     stages: Vec<Constant<Bits<4>>>,
     weights: Vec<Constant<Bits<12>>>,
@@ -64,7 +66,8 @@ impl Logic for BankGuard {
             }
         }
         self.hits_q.d.next = self.known.q.val()
-            && ((self.address.val().get_bits::<12>(1) >= self.rows.q.val()) == self.set.val());
+            && (self.both.val()
+                || ((self.address.val().get_bits::<12>(1) >= self.rows.q.val()) == self.set.val()));
         self.hits.next = self.hits_q.q.val();
     }
 }

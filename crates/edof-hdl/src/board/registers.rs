@@ -382,10 +382,11 @@ impl Logic for BoardRegisters {
         self.is_picture.d.next = self.in_window[5].val();
         self.is_stage.d.next = self.in_window[0].val() || self.in_window[3].val();
 
-        // What protection keeps out: words of the bank in use, of tables in use, and words that should carry their complement.
+        // What protection keeps out: words of the bank in use or of both, of tables in use, and words that should carry their complement.
         self.guard.clock.next = self.clock.val();
         self.guard.address.next = self.address.q.val().get_bits::<25>(2);
         self.guard.set.next = self.controls[1].q.val().get_bit(2);
+        self.guard.both.next = self.controls[3].q.val().get_bit(2);
         self.is_checked.d.next =
             (self.word.q.val().get_bits::<16>(16) ^ self.word.q.val().get_bits::<16>(0)) == 0xffff;
         self.may_write[0].next = true;

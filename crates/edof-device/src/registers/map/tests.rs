@@ -54,7 +54,7 @@ fn bits_of_control_are_where_its_fields_are() {
 
 #[test]
 fn bits_of_protection_are_where_its_fields_are() {
-    let bits = [("bank", PROTECT_BANK), ("control", PROTECT_CONTROL)];
+    let bits = [("bank", PROTECT_BANK), ("control", PROTECT_CONTROL), ("other", PROTECT_OTHER)];
     let masks =
         bits.map(|(name, _)| register("protection").and_then(|r| r.field(name)).map(|field| field.mask()));
     assert_eq!(masks, bits.map(|(_, mask)| Some(mask)));

@@ -5,7 +5,7 @@ use edof_image::display::DisplayMode;
 /// `EDOF` in ASCII: what `id` reads.
 pub const ID: u32 = u32::from_be_bytes(*b"EDOF");
 /// Version of this map: major in the upper half, minor in the lower. A client of the same major version understands the board.
-pub const VERSION: u32 = 0x0002_0002;
+pub const VERSION: u32 = 0x0002_0003;
 
 /// Address of `weights_hash`.
 pub const WEIGHTS_HASH: u32 = 0x10;
@@ -55,6 +55,8 @@ pub const FLUSH: u32 = 1 << 4;
 pub const PROTECT_BANK: u32 = 1;
 /// Bit of `protection`: `control` takes checked words alone.
 pub const PROTECT_CONTROL: u32 = 1 << 1;
+/// Bit of `protection`: with [`PROTECT_BANK`], the other bank takes no words either.
+pub const PROTECT_OTHER: u32 = 1 << 2;
 
 /// A word of 16 bits with its complement above it, as `protection` and, under protection, `control` want it: one that lost, doubled or
 /// changed a byte on its way is none.
