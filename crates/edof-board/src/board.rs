@@ -3,7 +3,7 @@
 use crate::contents::{Part, parts};
 use crate::error::Error;
 use crate::line::Line;
-use crate::link::Link;
+use crate::link::{ATTEMPTS, Link};
 use crate::names::Place;
 use edof_device::design::memory::{self, CONTROL_SKIP, Set, Space};
 use edof_device::design::reading::{READ_REGISTER, ReadBack, crc};
@@ -167,8 +167,27 @@ impl<L: Line> Board<L> {
     /// # Errors
     /// The line fails.
     pub fn change_control(&mut self, mask: u32, bits: u32) -> Result<(), Error> {
-        let before = self.control()?;
+        let before = self.agreed("control", Self::control)?;
         self.link.set_checked(map::CONTROL, (before & !mask) | (bits & mask))
+    }
+
+    /// What two looks agree on with a pause between: a byte too many in flight stands before each later answer until the line rests, and all of them
+    /// agree.
+    pub(crate) fn agreed<T: PartialEq>(
+        &mut self,
+        what: &str,
+        mut look: impl FnMut(&mut Self) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let mut last = look(self)?;
+        for _ in 0..ATTEMPTS {
+            self.link.come_to_rest()?;
+            let found = look(self)?;
+            if found == last {
+                return Ok(found);
+            }
+            last = found;
+        }
+        Err(Error::Noisy { port: self.port(), what: what.to_owned(), tried: ATTEMPTS })
     }
 
     /// The bank for frames that begin now.
@@ -184,9 +203,15 @@ impl<L: Line> Board<L> {
     /// # Errors
     /// The line fails.
     pub fn switch(&mut self, bank: Set, hash: u32) -> Result<(), Error> {
-        // The last word that is written: a fault afterwards finds nothing on the line that could go astray.
+        let control = self.agreed("control", Self::control)?;
+        self.switch_from(control, bank, hash)
+    }
+
+    /// [`Board::switch`] where it is known what `control` holds.
+    pub(crate) fn switch_from(&mut self, control: u32, bank: Set, hash: u32) -> Result<(), Error> {
+        // Before the switch: after it a load writes `protection` alone, and both banks are shut until then.
         self.link.set(map::WEIGHTS_HASH, hash)?;
-        self.change_control(map::WEIGHT_SET, control_bit(bank))
+        self.link.set_checked(map::CONTROL, (control & !map::WEIGHT_SET) | control_bit(bank))
     }
 
     /// Waits until no frame is made with the other bank any more, or none at all: nobody has to wait where no frames come.

@@ -14,7 +14,7 @@ use edof_device::registers::map::{UART_BROKEN, WRITES_REFUSED, checked};
 use std::time::Duration;
 
 /// Attempts before a line is given up.
-const ATTEMPTS: u32 = 6;
+pub(crate) const ATTEMPTS: u32 = 6;
 /// After so long without a byte the board has given up a frame that was cut off, and nothing is on its way any more.
 const QUIET: Duration = Duration::from_millis(UART_TIME_OUT_MS as u64 * 5 / 4);
 /// Longer than a bridge holds bytes back: FTDI's do for up to 16 ms.

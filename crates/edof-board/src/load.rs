@@ -137,7 +137,7 @@ impl<L: Line> Board<L> {
         for _ in 0..ROUNDS {
             let mut loaded = self.fill(job, target, &kept, hash, progress)?;
             if switches {
-                self.switch(target, hash)?;
+                self.switch_from(kept.control, target, hash)?;
             }
             if self.link.read(SCRATCH, 1)? == [mark(hash)] {
                 self.link.set_checked(PROTECTION, PROTECTED)?;
@@ -261,20 +261,9 @@ impl<L: Line> Board<L> {
         Ok(true)
     }
 
-    /// Notes what must stay as it is, as two looks agree on it with a pause between: a byte too many in flight stands before each later answer until
-    /// the line rests, and a command that was changed on its way reads something else. The bank in use needs no note: it takes no words.
+    /// Notes what must stay as it is. The bank in use needs no note: it takes no words.
     fn keep(&mut self, job: &Job<'_>, bank: Set) -> Result<Kept, Error> {
-        let mut last = self.note(job, bank)?;
-        for _ in 0..ROUNDS {
-            self.link.come_to_rest()?;
-            let found = self.note(job, bank)?;
-            if found == last {
-                return Ok(found);
-            }
-            last = found;
-        }
-        let what = "what must stay as it is".to_owned();
-        Err(Error::Noisy { port: self.port(), what, tried: ROUNDS })
+        self.agreed("what must stay as it is", |board| board.note(job, bank))
     }
 
     fn note(&mut self, job: &Job<'_>, bank: Set) -> Result<Kept, Error> {

@@ -112,6 +112,12 @@ fn no_question_of_a_check_changes_what_was_checked() {
     survive_all([9714].into_iter());
 }
 
+/// A byte that came twice in the last question before the switch stood before the answer of what `control` was, which then no longer ran.
+#[test]
+fn a_switch_keeps_the_rest_of_control() {
+    survive_all([15_042].into_iter());
+}
+
 #[test]
 #[ignore = "minutes: scripts/soak.sh"]
 fn no_fault_of_20000_is_lost() {
