@@ -23,7 +23,7 @@
 #   bound         docs/results/bound.*: networks for one noise alone, of the default's form and of one with twice its cost  (25 minutes)
 #   figures       docs/figures: the paper's figure 1, the demo's overview               (2 minutes)
 # From a clean tree: every page states its revision. A run that was stopped goes on: rows and pages of this revision stay, those of another
-# one are made anew (git has the old ones). Reports are in out/. Photographs: $EDOF_KODAK, else ../shared/data/kodak; $EDOF_MORE, else
+# one are made anew (git has the old ones). A test says which pages are of weights that no longer ship. Reports are in out/. Photographs: $EDOF_KODAK, else ../shared/data/kodak; $EDOF_MORE, else
 # ../shared/data/more. Nothing is trained on the photographs that scripts/held-back.sh names.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

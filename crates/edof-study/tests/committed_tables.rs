@@ -1,7 +1,10 @@
-//! The rows that README.md and docs/results.md quote are those of docs/results; those are what their rows say; and rows and pages say of which clean
-//! revision they are.
+//! The rows that README.md and docs/results.md quote are those of docs/results; those are what their rows say; rows and pages say of which clean
+//! revision they are; and a page of networks that ship is of the weights that ship.
 
+use edof_image::Stride;
 use edof_io::photos::{CHOICES, HELD_BACK, OF_HELD_BACK};
+use edof_methods::nets::Net;
+use edof_methods::nets_by_noise;
 use edof_network::weight_file;
 use edof_storage::provenance::Provenance;
 use edof_study::aperture::networks::ApertureNetworks;
@@ -14,7 +17,7 @@ use edof_study::study_report::StudyReport;
 use edof_study::summary::Study;
 use edof_study::tolerances::Tolerances;
 use edof_study::trial::Measured;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 fn project() -> PathBuf {
@@ -64,20 +67,77 @@ fn revisions(file: &str) -> Vec<String> {
     }
 }
 
-/// Results of a dirty or unknown tree cannot be committed, nor those of several revisions: scripts/results.sh remakes all.
+/// Results of a dirty or unknown tree cannot be committed, nor a page of several revisions.
 #[test]
 fn every_result_is_of_one_clean_revision() {
-    let mut all = BTreeSet::new();
-    for entry in std::fs::read_dir(project().join("docs/results")).unwrap() {
-        let file = entry.unwrap().file_name().into_string().unwrap();
+    let results = std::fs::read_dir(project().join("docs/results")).unwrap();
+    let files = results.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut pages: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for file in files {
         let own = revisions(&file);
         assert!(!own.is_empty(), "docs/results/{file}: states no revision; remake it (scripts/results.sh)");
         for revision in &own {
             assert!(is_clean(revision), "docs/results/{file}: '{revision}' is no clean revision");
         }
-        all.extend(own);
+        pages.entry(file.rsplit_once('.').unwrap().0.to_owned()).or_default().extend(own);
     }
-    assert_eq!(all.len(), 1, "all are remade together (scripts/results.sh)");
+    for (page, revisions) in pages {
+        assert_eq!(revisions.len(), 1, "docs/results/{page}: page and rows are remade together");
+    }
+}
+
+/// A network that ships, with its weights in fixed point.
+fn shipped(name: &str) -> Net {
+    let file = |ending: &str| project().join(format!("weights/{name}{ending}"));
+    let hash = |file: &Path| weight_file::parse_hash(std::fs::read(file).unwrap(), file).unwrap();
+    let (float, fixed) = (file(".safetensors"), file(".fixed.safetensors"));
+    let words = (weight_file::load_fixed(&fixed).unwrap(), hash(&fixed));
+    let network = weight_file::load_network(&float).unwrap();
+    let (net, obstacle) = Net::new(name, network, &hash(&float), Some(words), Stride::PATCH);
+    assert_eq!(obstacle, None);
+    net
+}
+
+/// SHA-256 of the weights of each method that `--nets` of a command names, as far as its networks ship.
+fn hashes_of_shipped(command: &str) -> BTreeMap<String, String> {
+    let ships = |name: &&str| project().join(format!("weights/{name}.safetensors")).exists();
+    let entry = |names: &str| {
+        let nets: Vec<Net> = names.split('+').filter(ships).map(shipped).collect();
+        match nets.len() {
+            0 => vec![],
+            1 => nets.into_iter().next().unwrap().entry(Stride::PATCH).methods,
+            _ => nets_by_noise::entry(nets, Stride::PATCH).unwrap().methods,
+        }
+    };
+    let named = command.split(" --net").nth(1).unwrap_or_else(|| panic!("{command}: names no network"));
+    let named = named.trim_start_matches('s').trim_start().split(' ').next().unwrap();
+    let methods = named.split(',').flat_map(entry);
+    methods.map(|m| (m.method().to_string(), m.weights().unwrap().to_owned())).collect()
+}
+
+/// A page outlives its weights easily: a network is trained again, and its tables stay.
+#[test]
+fn pages_are_of_the_networks_that_ship() {
+    let pages = ["bound", "held-back", "held-back-colourful", "kodak-linear", "kodak-srgb"];
+    for page in pages.into_iter().chain(["overlap", "single-depth", "tolerances"]) {
+        let hashes = hashes_of_shipped(&command(page));
+        let mut measured = BTreeSet::new();
+        for line in read(&format!("docs/results/{page}.jsonl")).lines() {
+            let row: serde_json::Value = serde_json::from_str(line).unwrap();
+            let Some((method, hash)) = row["method"].as_str().and_then(|m| hashes.get_key_value(m)) else {
+                continue;
+            };
+            // At other strides a study quantizes by itself.
+            if method.ends_with("float") || row["stride"] == 8 {
+                assert_eq!(
+                    row["weights_sha256"], **hash,
+                    "docs/results/{page}.md: {method} has other weights now"
+                );
+                measured.insert(method);
+            }
+        }
+        assert!(!measured.is_empty(), "docs/results/{page}.jsonl: no network that ships");
+    }
 }
 
 /// A page must be what its rows say. Rows of an old format cannot be resumed, only reported again: `EDOF_BLESS=1` does.
