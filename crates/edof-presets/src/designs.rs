@@ -86,4 +86,13 @@ mod tests {
             assert_eq!(load(name).unwrap().name, name);
         }
     }
+
+    #[test]
+    fn every_network_inside_the_program_fits_a_design_inside_it() {
+        for name in crate::weights::names() {
+            let network = crate::weights::fixed(name).unwrap();
+            let designs = all().unwrap();
+            assert!(designs.iter().any(|design| fits(design, &network).is_ok()), "{name}");
+        }
+    }
 }

@@ -16,6 +16,9 @@ use std::collections::BTreeSet;
 /// More fraction bits than these help nobody: they only make accumulators wide.
 const MAX_FRACTION: u32 = 24;
 
+/// Bits of the sums that the committed designs have. F's are kept within, where only the finer of its two products makes them wider.
+const DESIGN_SUM_BITS: u32 = 40;
+
 /// Largest |code| of each layer after scaling, without headroom.
 #[must_use]
 pub fn used(calibration: &Calibration, scales: &[f64]) -> Vec<f64> {
@@ -43,6 +46,7 @@ pub fn integers(
         let mut fixed = fractions.words(folded, analysis.clone(), rounding, network, options);
         float_hash.clone_into(&mut fixed.float_hash);
         match fixed.check() {
+            Ok(()) if output_sum(&fixed) > DESIGN_SUM_BITS && fractions.coarsen_finer_product() => {}
             Ok(()) => return Ok(fixed),
             Err(source) => {
                 fractions.mend(&fixed, source).map_err(|source| QuantizeError::Fixed { bits, source })?;
@@ -120,6 +124,17 @@ impl Fractions {
         }
     }
 
+    /// Takes a bit from the finer of F's products, which forces the other to be shifted up; whether one is finer.
+    fn coarsen_finer_product(&mut self) -> bool {
+        let of_codes = self.dictionary + self.codes.last().copied().unwrap_or(0);
+        match &mut self.linear {
+            Some(r) if *r + INPUT_FRACTION > of_codes && *r > 0 => *r -= 1,
+            Some(r) if *r + INPUT_FRACTION < of_codes && self.dictionary > 0 => self.dictionary -= 1,
+            _ => return false,
+        }
+        true
+    }
+
     /// Takes bits from what overflowed.
     ///
     /// # Errors
@@ -138,19 +153,20 @@ impl Fractions {
                 make_shifts_legal(&mut self.codes, self.analysis, &self.recurrent, form);
                 Ok(())
             }
-            // The finer of the two products is what forces the other to be shifted up.
             FixedNetworkError::Overflow { what: "F", .. } => {
-                let last = self.codes.last().copied().unwrap_or(0);
-                match &mut self.linear {
-                    Some(r) if *r + INPUT_FRACTION > self.dictionary + last && *r > 0 => *r -= 1,
-                    _ if self.dictionary > 0 => self.dictionary -= 1,
-                    _ => return Err(error),
+                if !self.coarsen_finer_product() {
+                    self.dictionary = self.dictionary.checked_sub(1).ok_or(error)?;
                 }
                 Ok(())
             }
             _ => Err(error),
         }
     }
+}
+
+/// Bits of the sums of F.
+fn output_sum(fixed: &FixedNetwork) -> u32 {
+    fixed.accumulator_bits().last().copied().unwrap_or(0)
 }
 
 /// The same formats for other weights of the same network, rounded as [`integers`] rounds them. The first `settled` of A and

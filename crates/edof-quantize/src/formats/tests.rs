@@ -221,3 +221,28 @@ fn a_network_of_words_has_the_finest_formats_and_states_what_it_was_made_from() 
     assert_eq!(fixed.thresholds, [array![32, -64], array![16, -32], array![32, -64]]);
     assert_eq!((fixed.float_hash.as_str(), fixed.code_bits, fixed.quantized), ("hash", 8, None));
 }
+
+#[test]
+fn a_linear_path_finer_than_the_codes_product_gives_up_bits_until_designs_have_the_sum() {
+    let form = form(4, Recurrence::Direct, true);
+    let folded = Folded {
+        analysis: Array2::from_elem((2, 64), 0.01),
+        thresholds: vec![array![0.25, -0.5]; 3],
+        recurrent: vec![Array2::from_elem((2, 2), 0.25); 2],
+        dictionary: Array2::from_elem((128, 2), 0.75),
+        linear_path: Some(Array2::from_elem((128, 64), 0.0005)),
+    };
+    let float = Network {
+        form,
+        analysis: Array2::zeros((2, 64)),
+        thresholds: vec![],
+        recurrent: vec![],
+        dictionary: Array2::zeros((192, 2)),
+        linear_path: None,
+        origin: network(2, Recurrence::Direct, false).origin,
+    };
+    let fixed = integers(&folded, &[0.4, 0.9, 0.9], &nearest(&form), &float, &options(16), "hash").unwrap();
+    let r = fixed.linear_path.as_ref().unwrap().fraction;
+    assert_eq!((output_sum(&fixed), fixed.dictionary.fraction), (DESIGN_SUM_BITS, 15));
+    assert!(r < MAX_FRACTION, "{r}");
+}
