@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What the cable costs, whose words have 14 bits (docs/contract.md, 1.1): the eight test photographs through it and past it, PSNR in dB of
-# edof-t4w12-outer-light with the cable minus without. EDOF names the program [default: target/release/edof], EDOF_KODAK the photographs.
+# What the cable costs, whose words have 14 bits (docs/contract.md, 1.1): the eight test photographs, encoded, through it and past it, PSNR in dB of
+# the network for the frame with the cable minus without. EDOF names the program [default: target/release/edof], EDOF_KODAK the photographs.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 edof=$(realpath "${EDOF:-target/release/edof}")
@@ -18,7 +18,7 @@ for noise in none sensor; do
         for number in 03 06 09 12 15 18 21 24; do
             for psi in 0 4 8; do
                 "$edof" capture "$photos/kodim$number.png" --psi "$psi" --bit-depth "$depth" --noise "$noise" --no-measure \
-                    --out raw.png --video frame.2vuy --sharp sharp.png > /dev/null
+                    --out raw.png --video frame.2vuy --values srgb --sharp sharp.png > /dev/null
                 "$edof" reconstruct raw.png --bits 16 --out past.png > /dev/null
                 "$edof" reconstruct --video frame.2vuy --bits 16 --out through.png > /dev/null
                 echo "$(psnr through.png) $(psnr past.png)"
