@@ -10,7 +10,7 @@
 //! | [`cycle_count`] | cycles of a clock |
 //! | [`registers`] | what the host sees and sets |
 //! | [`calculator_port`] | the host's words into the calculator's clock, and back |
-//! | [`bank_guard`] | which words belong to the bank in use |
+//! | [`bank_guard`] | which words belong to a bank that takes none |
 //! | [`pattern_source`] | raw frames that the board makes itself |
 //! | [`picture_window`] | a tile of raw pixels that the host writes, and a part of the codes that it reads |
 //! | [`power_on`] | the reset after configuration |
