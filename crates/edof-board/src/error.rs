@@ -62,7 +62,10 @@ pub enum Error {
     )]
     Stranger { port: String, found: u32 },
     /// A board of another time.
-    #[error("{port}: has version {}.{} of the register map, expected {}.x", found >> 16, found & 0xffff, VERSION >> 16)]
+    #[error(
+        "{port}: has version {}.{} of the register map, expected {}.{} or a later {}.x: load the bitstream of this program's design",
+        found >> 16, found & 0xffff, VERSION >> 16, VERSION & 0xffff, VERSION >> 16
+    )]
     Version { port: String, found: u32 },
     /// A name that stands for nothing.
     #[error("register '{name}': there is none; edof board dump lists all")]
