@@ -209,21 +209,9 @@ impl<L: Line> Board<L> {
             }
             loaded.rounds += 1;
             loaded.written_parts = loaded.written_parts.max(wrong);
+            loaded.recovered |= self.send(&missing, kept, hash, progress)?;
             let total = missing.iter().map(|words| words.len() as u64).sum();
-            let mut done = 0;
-            self.link.set_checked(PROTECTION, PROTECTED)?;
-            for words in missing.iter().filter(|words| !words.is_empty()) {
-                for (address, some) in frames(words, MAX_WORDS) {
-                    if progress(done, total).is_break() {
-                        return Err(Error::Interrupted);
-                    }
-                    self.link.write(address, &some)?;
-                    done += some.len() as u64;
-                }
-                loaded.recovered |= self.recover(kept, hash, PROTECTED)?;
-            }
-            loaded.words += done;
-            self.link.set_checked(PROTECTION, SEALED)?;
+            loaded.words += total;
             found = self.crcs(&all)?.into_iter().map(Some).collect();
             loaded.recovered |= self.recover(kept, hash, SEALED)?;
             if job.read_back && found.iter().zip(&all).all(|(crc, part)| *crc == Some(part.crc)) {
@@ -234,6 +222,31 @@ impl<L: Line> Board<L> {
             }
         }
         Ok(loaded)
+    }
+
+    /// Writes the missing words of each part into the bank, which takes words meanwhile; whether what must stay as it is had to be put back.
+    fn send(
+        &mut self,
+        missing: &[Vec<(u32, u32)>],
+        kept: &Kept,
+        hash: u32,
+        progress: Progress<'_>,
+    ) -> Result<bool, Error> {
+        let total = missing.iter().map(|words| words.len() as u64).sum();
+        let (mut done, mut recovered) = (0, false);
+        self.link.set_checked(PROTECTION, PROTECTED)?;
+        for words in missing.iter().filter(|words| !words.is_empty()) {
+            for (address, some) in frames(words, MAX_WORDS) {
+                if progress(done, total).is_break() {
+                    return Err(Error::Interrupted);
+                }
+                self.link.write(address, &some)?;
+                done += some.len() as u64;
+            }
+            recovered |= self.recover(kept, hash, PROTECTED)?;
+        }
+        self.link.set_checked(PROTECTION, SEALED)?;
+        Ok(recovered)
     }
 
     /// Puts shifts of the bank that was written and what is skipped right where they are not; whether there were any. Its own commands lie in
