@@ -61,9 +61,9 @@ module prove (
     wire [11:0] row = address[14:3];
     // Rows of the first bank: weights, thresholds, registers.
     wire [11:0] rows = space == 3 ? 1 : space != 0 ? (stage == 3 ? 64 : 8) : stage == 0 ? 64 : stage == 3 ? 320 : 32;
-    wire in_use = stage < 4 && (space != 3 || row < 2) && (protection[2] || (row >= rows) == control[2]);
+    wire shut = stage < 4 && (space != 3 || row < 2) && (protection[2] || (row >= rows) == control[2]);
     wire checked = word[31:16] == ~word[15:0];
-    wire barred = protection[0] && ((weights && in_use) || (tables && control[0]));
+    wire barred = protection[0] && ((weights && shut) || (tables && control[0]));
     wire unchecked = area && ((address[7:2] == 5 && protection[1]) || address[7:2] == 7) && !checked;
     wire kept_out = whole && (barred || unchecked);
     wire known = address[7:2] == 4 || address[7:2] == 5 || address[7:2] == 6 || address[7:2] == 7 || address[7:2] == 40 || address[7:2] == 41
@@ -128,7 +128,7 @@ module prove (
                 if ($past(table_valid && !table_ready_i)) entry_stands: assert (table_valid && $stable(table_address) && $stable(table_data));
             end
             // Protection.
-            bank_kept: assert (!weight_valid || (writes && whole && weights && !(protection[0] && in_use)));
+            bank_kept: assert (!weight_valid || (writes && whole && weights && !(protection[0] && shut)));
             its_word: assert (!weight_valid || (weight_address == address[26:2] && weight_data == word));
             tables_kept: assert (!table_valid || (writes && whole && tables && !(protection[0] && control[0])));
             its_entry: assert (!table_valid || (table_address == address[18:2] && table_data == word[11:0]));

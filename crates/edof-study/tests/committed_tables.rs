@@ -98,7 +98,7 @@ fn shipped(name: &str) -> Net {
     net
 }
 
-/// SHA-256 of the weights of each method that `--nets` of a command names, as far as its networks ship.
+/// SHA-256 of the weights of each method that a command names, as far as its networks ship.
 fn hashes_of_shipped(command: &str) -> BTreeMap<String, String> {
     let ships = |name: &&str| project().join(format!("weights/{name}.safetensors")).exists();
     let entry = |names: &str| {
@@ -109,9 +109,7 @@ fn hashes_of_shipped(command: &str) -> BTreeMap<String, String> {
             _ => nets_by_noise::entry(nets, Stride::PATCH).unwrap().methods,
         }
     };
-    let named = command.split(" --net").nth(1).unwrap_or_else(|| panic!("{command}: names no network"));
-    let named = named.trim_start_matches('s').trim_start().split(' ').next().unwrap();
-    let methods = named.split(',').flat_map(entry);
+    let methods = named_networks(command).split(',').flat_map(entry);
     methods.map(|m| (m.method().to_string(), m.weights().unwrap().to_owned())).collect()
 }
 
@@ -313,10 +311,11 @@ fn documents_quote_the_verdicts_of_the_pages() {
 const UNSEEN: [(&str, &[&str]); 2] =
     [("held-back", &HELD_BACK), ("held-back-colourful", &["more04", "more15", "more16", "more21"])];
 
-/// Networks of the command that a page states.
-fn networks(command: &str) -> Vec<String> {
-    let nets = command.split(" --nets ").nth(1).unwrap().split(' ').next().unwrap();
-    nets.split([',', '+']).map(str::to_owned).collect()
+/// What the command that a page states gives as its networks, as in `low+high,other`.
+fn named_networks(command: &str) -> &str {
+    let after = |option: &str| command.split_once(option).map(|(_, rest)| rest);
+    let rest = after(" --nets ").or_else(|| after(" --net "));
+    rest.and_then(|rest| rest.split(' ').next()).unwrap_or_else(|| panic!("{command}: names no network"))
 }
 
 #[test]
@@ -332,7 +331,7 @@ fn pages_of_unseen_photographs_are_of_them_and_of_both_lenses_by_noise() {
         let methods: BTreeSet<&str> = study.rows.iter().map(|row| row.method.as_str()).collect();
         let by_noise = |lens: &str| methods.contains(format!("edof-t4w12-{lens}-by-noise.fixed").as_str());
         assert!(by_noise("outer") && by_noise("clear"), "{name}: {methods:?}");
-        networks(&command(name)).iter().for_each(|network| assert!(is_of_others(network), "{network}"));
+        named_networks(&command(name)).split([',', '+']).for_each(|net| assert!(is_of_others(net), "{net}"));
     }
 }
 

@@ -191,15 +191,15 @@ fn settled_matrices_keep_their_words_and_all_others_are_rounded_anew() {
     }
 }
 
-#[test]
-fn a_network_of_words_has_the_finest_formats_and_states_what_it_was_made_from() {
+/// Integers of a small network whose R has this value throughout, for codes that use so much.
+fn of_two_codes(linear_path: f64, used: &[f64], bits: u32) -> FixedNetwork {
     let form = form(4, Recurrence::Direct, true);
     let folded = Folded {
         analysis: Array2::from_elem((2, 64), 0.01),
         thresholds: vec![array![0.25, -0.5]; 3],
         recurrent: vec![Array2::from_elem((2, 2), 0.25), Array2::from_elem((2, 2), -1.5)],
         dictionary: Array2::from_elem((128, 2), 0.75),
-        linear_path: Some(Array2::from_elem((128, 64), 0.015_625)),
+        linear_path: Some(Array2::from_elem((128, 64), linear_path)),
     };
     let float = Network {
         form,
@@ -210,7 +210,12 @@ fn a_network_of_words_has_the_finest_formats_and_states_what_it_was_made_from() 
         linear_path: None,
         origin: network(2, Recurrence::Direct, false).origin,
     };
-    let fixed = integers(&folded, &[0.4, 0.9, 0.2], &nearest(&form), &float, &options(8), "hash").unwrap();
+    integers(&folded, used, &nearest(&form), &float, &options(bits), "hash").unwrap()
+}
+
+#[test]
+fn a_network_of_words_has_the_finest_formats_and_states_what_it_was_made_from() {
+    let fixed = of_two_codes(0.015_625, &[0.4, 0.9, 0.2], 8);
     assert_eq!(fixed.code_fractions, [7, 6, 7]);
     assert_eq!((fixed.analysis.fraction, fixed.analysis.weights[(1, 63)]), (13, 82));
     assert_eq!((fixed.recurrent[0].fraction, fixed.recurrent[0].weights[(1, 0)]), (8, 64));
@@ -224,24 +229,7 @@ fn a_network_of_words_has_the_finest_formats_and_states_what_it_was_made_from() 
 
 #[test]
 fn a_linear_path_finer_than_the_codes_product_gives_up_bits_until_designs_have_the_sum() {
-    let form = form(4, Recurrence::Direct, true);
-    let folded = Folded {
-        analysis: Array2::from_elem((2, 64), 0.01),
-        thresholds: vec![array![0.25, -0.5]; 3],
-        recurrent: vec![Array2::from_elem((2, 2), 0.25); 2],
-        dictionary: Array2::from_elem((128, 2), 0.75),
-        linear_path: Some(Array2::from_elem((128, 64), 0.0005)),
-    };
-    let float = Network {
-        form,
-        analysis: Array2::zeros((2, 64)),
-        thresholds: vec![],
-        recurrent: vec![],
-        dictionary: Array2::zeros((192, 2)),
-        linear_path: None,
-        origin: network(2, Recurrence::Direct, false).origin,
-    };
-    let fixed = integers(&folded, &[0.4, 0.9, 0.9], &nearest(&form), &float, &options(16), "hash").unwrap();
+    let fixed = of_two_codes(0.0005, &[0.4, 0.9, 0.9], 16);
     let r = fixed.linear_path.as_ref().unwrap().fraction;
     assert_eq!((output_sum(&fixed), fixed.dictionary.fraction), (DESIGN_SUM_BITS, 15));
     assert!(r < MAX_FRACTION, "{r}");
