@@ -118,7 +118,7 @@ fn levels_that_cannot_be_are_rejected_by_the_frames_name() {
 
 /// The smallest DNG: one strip of 16-bit values; black level 100, white 2100, white balance 2, 1, 1.25.
 fn dng(compression: u16, values: &[u16]) -> Vec<u8> {
-    const TAGS: usize = 14;
+    const TAGS: usize = 15;
     let short = |tag: u16, v: u16| (tag, 3u16, 1u32, u32::from(v).to_le_bytes());
     let long = |tag: u16, count: u32, v: usize| (tag, 4u16, count, (v as u32).to_le_bytes());
     let behind = 8 + 2 + 12 * TAGS + 4;
@@ -134,6 +134,7 @@ fn dng(compression: u16, values: &[u16]) -> Vec<u8> {
         long(279, 1, 2 * values.len()),
         (33421, 3, 2, [2, 0, 2, 0]),
         (33422, 1, 4, [1, 0, 2, 1]),
+        (50706, 1, 4, [1, 4, 0, 0]),
         short(50714, 100),
         short(50717, 2100),
         (50728, 5, 3, (behind as u32).to_le_bytes()),
@@ -159,11 +160,59 @@ fn a_dng_is_reconstructed_in_its_own_levels_and_colours() {
     assert_near(colour(&place, "out.png"), [0.5, 0.25, 0.3125]);
     place.edof(&format!("{line} --black-level 200 --white-level 2200 --white-balance 1,1,1")).done();
     assert_near(colour(&place, "out.png"), [0.2; 3]);
-    place.edof(&format!("{line} --phase rggb")).refused(&["shot.dng: says grbg; leave --phase rggb out"]);
+    let run = place.edof(&format!("{line} --phase rggb")).done();
+    assert!(
+        run.err.contains("shot.dng: CFAPattern (33422) states grbg; rggb is used as stated"),
+        "{}",
+        run.err
+    );
     place.write("shot.dng", dng(34892, &[600; 48 * 32]));
-    place.edof(&line).refused(&["shot.dng: ", "compression 34892, expected 1 (none) or 7 (lossless JPEG)"]);
+    place.edof(&line).refused(&[
+        "shot.dng: ",
+        "Compression (259) is 34892 (lossy JPEG), expected 1 (none) or 7 (lossless JPEG)",
+    ]);
     place.write("shot.dng", &dng(1, &[600; 48 * 32])[..900]);
-    place.edof(&line).refused(&["shot.dng: ", "it ends before its pixels do"]);
+    place.edof(&line).refused(&["shot.dng: ", "the file is cut: it ends before its pixels do"]);
+}
+
+#[test]
+fn options_that_describe_values_have_no_place_beside_a_dng() {
+    let place = Place::new();
+    place.float_network("net.safetensors");
+    place.write("shot.dng", dng(1, &[600; 48 * 32]));
+    for option in [
+        "--size 48x32",
+        "--bit-depth 12",
+        "--align bottom",
+        "--size 48x32 --packing words",
+        "--video --size 48x32",
+    ] {
+        let run = place.edof(&format!("reconstruct shot.dng {GREY} {option} --out out.png"));
+        let name = option.split(' ').next().unwrap();
+        assert!(
+            run.code == Some(1) && run.err.contains("has no effect on shot.dng, a DNG"),
+            "{option}: {}",
+            run.err
+        );
+        assert!(run.err.contains(name) || run.err.contains("--size"), "{option}: {}", run.err);
+    }
+    assert_eq!(place.files(), ["net.safetensors", "shot.dng"]);
+}
+
+#[test]
+fn a_dng_is_known_by_its_content() {
+    let place = Place::new();
+    place.float_network("net.safetensors");
+    for name in ["shot.tif", "shot", "shot.png"] {
+        place.write(name, dng(1, &[600; 48 * 32]));
+        place.edof(&format!("reconstruct {name} {GREY} --out out.png")).done();
+        assert_near(colour(&place, "out.png"), [0.5, 0.25, 0.3125]);
+        std::fs::remove_file(place.path(name)).unwrap();
+    }
+    place.raw("frame.png", 48, 32);
+    std::fs::rename(place.path("frame.png"), place.path("frame.dng")).unwrap();
+    let run = place.edof("reconstruct frame.dng --weights net.safetensors --float --out out.png").done();
+    assert!(!run.err.contains("DNG"), "{}", run.err);
 }
 
 #[test]

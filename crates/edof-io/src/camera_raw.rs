@@ -1,9 +1,10 @@
 //! Camera raw files of makers' own formats (CR2, NEF, ARW, …) as raw frames, by the crate `rawler`; only with the feature `camera-raw`. DNG
-//! needs no such feature ([`crate::dng`]), except for those that are compressed in rarer ways.
+//! needs no such feature ([`crate::dng`]).
 //!
 //! Black levels are taken off and white becomes full scale, so that the frame is linear light of 16 bits; borders that the
 //! sensor keeps dark are cut off; the Bayer phase is the file's own. Why a feature: `docs/decisions/0004-camera-raw.md`.
 
+use crate::levels::LevelsError;
 use edof_image::RawFrame;
 use std::path::{Path, PathBuf};
 
@@ -20,14 +21,28 @@ pub enum CameraRawError {
     /// Damaged, or of a camera that is not known.
     #[error("{path}: cannot read camera raw: {reason}", path = path.display())]
     Decode { path: PathBuf, reason: String },
+    /// Levels that exclude each other.
+    #[error("{path}: {source}", path = path.display())]
+    Levels { path: PathBuf, source: LevelsError },
     /// Some other mosaic, or none.
     #[error("{path}: sensor has {found}, expected a 2x2 Bayer mosaic of red, green and blue", path = path.display())]
     Mosaic { path: PathBuf, found: String },
 }
 
+/// Whether a file begins like one of a maker's formats that are no TIFF, or a CR2: CR3, RAF, ORF, RW2.
+#[must_use]
+pub fn is_content(head: &[u8]) -> bool {
+    match head {
+        [b'I', b'I', 42, 0, _, _, _, _, b'C', b'R', ..] => true,
+        [_, _, _, _, b'f', b't', b'y', b'p', b'c', b'r', b'x', ..] => true,
+        [b'I', b'I', b'R', b'O' | b'S', ..] | [b'I', b'I', b'U', 0, ..] => true,
+        head => head.starts_with(b"FUJIFILM"),
+    }
+}
+
 /// Whether the ending of a name stands for camera raw.
 #[must_use]
-pub fn is_camera_raw(path: &Path) -> bool {
+pub fn is_name(path: &Path) -> bool {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     ENDINGS.contains(&ending.as_str())
 }
@@ -124,8 +139,18 @@ mod tests {
 
     #[test]
     fn camera_raw_is_reported_by_its_ending() {
-        assert!(is_camera_raw(Path::new("a/IMG_1.CR3")) && is_camera_raw(Path::new("x.nef")));
-        assert!(!is_camera_raw(Path::new("x.png")) && !is_camera_raw(Path::new("dng")));
+        assert!(is_name(Path::new("a/IMG_1.CR3")) && is_name(Path::new("x.nef")));
+        assert!(!is_name(Path::new("x.png")) && !is_name(Path::new("dng")));
+    }
+
+    #[test]
+    fn camera_raw_is_known_by_its_first_bytes() {
+        for head in
+            [&b"II*\0\x10\0\0\0CR\x02\0"[..], b"FUJIFILMCCD-RAW ", b"IIRO\x08\0\0\0", b"\0\0\0\x18ftypcrx "]
+        {
+            assert!(is_content(head));
+        }
+        assert!(!is_content(b"II*\0\x08\0\0\0\x10\0\xfe\0") && !is_content(b"II"));
     }
 
     #[cfg(not(feature = "camera-raw"))]

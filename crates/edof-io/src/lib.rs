@@ -9,7 +9,8 @@
 //! | what its values are of light: black and white level | [`levels`] |
 //! | from its colours to those of a screen: white balance, colour matrix | [`rendering`] |
 //! | whether it was read as it was taken | [`read_warnings`] |
-//! | DNG: a camera's raw frame with its levels and colours | [`dng`] |
+//! | DNG: a camera's raw frame as light, with its colours | [`dng`] |
+//! | what a camera's file asks to be done with the picture: lens, crop, orientation | [`finish`] |
 //! | other cameras' raw files, with the feature `camera-raw` | [`camera_raw`] |
 //! | picture files, before either meaning is given to them | [`picture`], its pixels [`samples`] |
 //! | PGM and PPM with any maximum value | [`pnm`] |
@@ -33,6 +34,7 @@
 
 pub mod camera_raw;
 pub mod dng;
+pub mod finish;
 pub mod levels;
 pub mod packing;
 pub mod photo;

@@ -8,14 +8,14 @@
 //! | headerless 16-bit words | 65535 | at the bottom, unless stated otherwise |
 //! | headerless 8-bit or packed 12-bit pixels ([`crate::packing`]) | 255, 4095 | all bits are there |
 //! | video for a playout card ([`crate::packing`]) | 65535 | at the top of each word, unless stated otherwise |
-//! | DNG ([`crate::dng`]) | what the file states | the file states its phase, too |
-//! | other camera raw ([`crate::camera_raw`]) | what the file states | the file states its phase, too |
+//! | DNG ([`crate::dng`]) | light of 16 bits | the file states its phase, too |
+//! | other camera raw ([`crate::camera_raw`]) | light of 16 bits | the file states its phase, too |
 //!
 //! So a frame that [`save`] wrote as PNG, TIFF or PGM is read back without any option but its phase.
 
 use crate::camera_raw::{self, CameraRawError};
-use crate::dng::{self, Dng};
-use crate::levels::Levels;
+use crate::dng::{self, Dng, Overrides};
+use crate::finish::Finish;
 use crate::packing::{self, ByteOrder, Packing, Stray};
 use crate::picture::{self, Format, PictureError};
 use crate::rendering::Rendering;
@@ -183,39 +183,74 @@ impl std::str::FromStr for Size {
     }
 }
 
-/// A raw frame, and what its file says of its levels and colours, where it says anything.
+/// A raw frame, and what its file states of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Opened {
-    /// The sensor's values.
+    /// The sensor's values, or the light of a camera's file.
     pub frame: RawFrame,
-    /// What darkness and full light are among them.
-    pub levels: Option<Levels>,
+    /// The kind of its file.
+    pub kind: Kind,
     /// What its camera would do to the colours.
     pub rendering: Rendering,
+    /// What its file asks to be done with the picture.
+    pub finish: Finish,
+    /// What its file asks for and is not done.
+    pub notes: Vec<String>,
 }
 
-/// Reads a raw frame with what its file says of it.
+/// Kinds of raw files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Sensor values in a picture or without a header; options state what they are.
+    Values,
+    /// A DNG, which states everything.
+    Dng,
+    /// A camera's own format, which states everything.
+    CameraRaw,
+}
+
+/// Reads a raw frame with what its file states of it. The content decides what the file is; its ending does where the content does not.
+/// `overrides` take the place of what a DNG states.
 ///
 /// # Errors
 /// Any [`RawError`], naming the file.
-pub fn open(path: &Path, options: &RawOptions) -> Result<Opened, RawError> {
-    let alone = |frame| Opened { frame, levels: None, rendering: Rendering::default() };
-    if dng::is_dng(path) {
-        let bytes = input::read(path).map_err(cannot_read(path))?;
-        return match dng::decode(&bytes, path) {
-            Ok(Dng { frame, levels, rendering }) => Ok(Opened { frame, levels: Some(levels), rendering }),
-            // Of a kind that is rarer than it is worth here.
-            Err(CameraRawError::Decode { .. }) if cfg!(feature = "camera-raw") => {
-                Ok(alone(camera_raw::load(path)?))
-            }
-            Err(error) => Err(error.into()),
-        };
+pub fn open(path: &Path, options: &RawOptions, overrides: &Overrides) -> Result<Opened, RawError> {
+    let alone = |frame, kind| Opened {
+        frame,
+        kind,
+        rendering: Rendering::default(),
+        finish: Finish::default(),
+        notes: vec![],
+    };
+    match kind_of(path, options)? {
+        Kind::Dng => {
+            let bytes = input::read(path).map_err(cannot_read(path))?;
+            let Dng { frame, rendering, finish, notes } = dng::decode(&bytes, path, overrides)?;
+            Ok(Opened { frame, kind: Kind::Dng, rendering, finish, notes })
+        }
+        Kind::CameraRaw => Ok(alone(camera_raw::load(path)?, Kind::CameraRaw)),
+        Kind::Values => Ok(alone(picture_or_headerless(path, options)?, Kind::Values)),
     }
-    if camera_raw::is_camera_raw(path) {
-        input::check(path).map_err(cannot_read(path))?;
-        return Ok(alone(camera_raw::load(path)?));
+}
+
+/// What a file is.
+fn kind_of(path: &Path, options: &RawOptions) -> Result<Kind, RawError> {
+    let (mut file, mut bytes) = picture::open(path)?;
+    if camera_raw::is_content(&bytes) {
+        return Ok(Kind::CameraRaw);
     }
-    Ok(alone(picture_or_headerless(path, options)?))
+    let is_named_dng = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("dng"));
+    let by_name = match (is_named_dng, camera_raw::is_name(path)) {
+        (true, _) => Kind::Dng,
+        (_, true) => Kind::CameraRaw,
+        _ => Kind::Values,
+    };
+    if dng::is_tiff(&bytes) {
+        file.read_to_end(&mut bytes).map_err(cannot_read(path))?;
+        return Ok(if dng::is_dng(&bytes) { Kind::Dng } else { by_name });
+    }
+    let is_values = Format::of(&bytes).is_some() || options.size.is_some();
+    Ok(if is_values { Kind::Values } else { by_name })
 }
 
 /// A raw frame alone.
@@ -223,7 +258,7 @@ pub fn open(path: &Path, options: &RawOptions) -> Result<Opened, RawError> {
 /// # Errors
 /// Any [`RawError`], naming the file.
 pub fn load(path: &Path, options: &RawOptions) -> Result<RawFrame, RawError> {
-    Ok(open(path, options)?.frame)
+    Ok(open(path, options, &Overrides::default())?.frame)
 }
 
 fn picture_or_headerless(path: &Path, options: &RawOptions) -> Result<RawFrame, RawError> {
@@ -358,7 +393,7 @@ fn lower(words: Array2<u16>, depth: u32, path: &Path) -> Result<Array2<u16>, Raw
 }
 
 /// Kinds of files for raw frames.
-enum Kind {
+enum Written {
     /// Words alone.
     Headerless,
     /// Pictures whose full scale is that of 16 bits.
@@ -367,12 +402,12 @@ enum Kind {
     StatedScale,
 }
 
-fn kind(path: &Path) -> Result<Kind, RawError> {
+fn kind(path: &Path) -> Result<Written, RawError> {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     match ending.as_str() {
-        "raw" | "bin" => Ok(Kind::Headerless),
-        "png" | "tif" | "tiff" => Ok(Kind::FullScale),
-        "pgm" => Ok(Kind::StatedScale),
+        "raw" | "bin" => Ok(Written::Headerless),
+        "png" | "tif" | "tiff" => Ok(Written::FullScale),
+        "pgm" => Ok(Written::StatedScale),
         _ => {
             let expected = ".png, .tif, .tiff, .pgm, .raw or .bin";
             Err(PictureError::Ending { path: path.to_owned(), expected }.into())
@@ -395,13 +430,13 @@ pub fn check_ending(path: &Path) -> Result<(), RawError> {
 /// [`RawError::Picture`] naming the file; none is left half written.
 pub fn save(path: &Path, frame: &RawFrame) -> Result<(), RawError> {
     let (words, full_scale) = match kind(path)? {
-        Kind::Headerless => {
+        Written::Headerless => {
             let bytes: Vec<u8> = frame.values().iter().flat_map(|v| v.to_le_bytes()).collect();
             edof_storage::atomic::write(path, &bytes).map_err(PictureError::from)?;
             return Ok(());
         }
-        Kind::FullScale => (frame.pixels().clone(), u16::MAX),
-        Kind::StatedScale => (frame.values(), u16::MAX >> (16 - frame.depth())),
+        Written::FullScale => (frame.pixels().clone(), u16::MAX),
+        Written::StatedScale => (frame.values(), u16::MAX >> (16 - frame.depth())),
     };
     Ok(picture::save(path, &Samples { planes: words.insert_axis(Axis(0)), full_scale })?)
 }

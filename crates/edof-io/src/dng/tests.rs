@@ -1,4 +1,7 @@
+use super::colour::{D65_FROM_SRGB, product};
+use super::tags::Tag;
 use super::*;
+use crate::finish::{Crop, Orientation};
 use proptest::prelude::*;
 
 const WIDTH: usize = 20;
@@ -7,16 +10,16 @@ const HEIGHT: usize = 14;
 /// A directory to be: tags with the kind and the bytes of their numbers, little-endian.
 type Tags = Vec<(u16, u16, Vec<u8>)>;
 
-fn shorts(tag: u16, values: &[u16]) -> (u16, u16, Vec<u8>) {
+fn shorts(Tag(tag, _): Tag, values: &[u16]) -> (u16, u16, Vec<u8>) {
     (tag, 3, values.iter().flat_map(|v| v.to_le_bytes()).collect())
 }
 
-fn longs(tag: u16, values: &[u32]) -> (u16, u16, Vec<u8>) {
+fn longs(Tag(tag, _): Tag, values: &[u32]) -> (u16, u16, Vec<u8>) {
     (tag, 4, values.iter().flat_map(|v| v.to_le_bytes()).collect())
 }
 
 /// Signed fractions of 10,000.
-fn fractions(tag: u16, values: &[f64]) -> (u16, u16, Vec<u8>) {
+fn fractions(Tag(tag, _): Tag, values: &[f64]) -> (u16, u16, Vec<u8>) {
     let pair = |v: &f64| [((v * 1e4).round() as i32).to_le_bytes(), 10_000i32.to_le_bytes()].concat();
     (tag, 10, values.iter().flat_map(pair).collect())
 }
@@ -57,21 +60,21 @@ fn file(parts: &[Vec<u8>], about: Tags, mut raw: Tags, tiles: Option<[u16; 2]>) 
         })
         .collect();
     let lengths: Vec<u32> = parts.iter().map(|part| part.len() as u32).collect();
-    if raw.iter().all(|(tag, ..)| *tag != tag::WIDTH) {
-        raw.push(shorts(tag::WIDTH, &[WIDTH as u16]));
+    if raw.iter().all(|(tag, ..)| *tag != tags::WIDTH.0) {
+        raw.push(shorts(tags::WIDTH, &[WIDTH as u16]));
     }
-    raw.push(shorts(tag::HEIGHT, &[HEIGHT as u16]));
-    raw.push(shorts(tag::INTERPRETATION, &[32803]));
+    raw.push(shorts(tags::HEIGHT, &[HEIGHT as u16]));
+    raw.push(shorts(tags::INTERPRETATION, &[32803]));
     match tiles {
         Some([rows, columns]) => {
-            raw.push(shorts(tag::TILE_HEIGHT, &[rows]));
-            raw.push(shorts(tag::TILE_WIDTH, &[columns]));
-            raw.push(longs(tag::TILE_OFFSETS, &offsets));
-            raw.push(longs(tag::TILE_BYTES, &lengths));
+            raw.push(shorts(tags::TILE_HEIGHT, &[rows]));
+            raw.push(shorts(tags::TILE_WIDTH, &[columns]));
+            raw.push(longs(tags::TILE_OFFSETS, &offsets));
+            raw.push(longs(tags::TILE_BYTES, &lengths));
         }
         None => {
-            raw.push(longs(tag::STRIP_OFFSETS, &offsets));
-            raw.push(longs(tag::STRIP_BYTES, &lengths));
+            raw.push(longs(tags::STRIP_OFFSETS, &offsets));
+            raw.push(longs(tags::STRIP_BYTES, &lengths));
         }
     }
     let below = directory(bytes.len(), raw);
@@ -79,7 +82,8 @@ fn file(parts: &[Vec<u8>], about: Tags, mut raw: Tags, tiles: Option<[u16; 2]>) 
     bytes.extend(below);
     let first = bytes.len();
     bytes[4..8].copy_from_slice(&(first as u32).to_le_bytes());
-    let about = [about, vec![longs(330, &[at_raw]), shorts(tag::INTERPRETATION, &[2])]].concat();
+    let about =
+        [about, vec![longs(tags::SUB_DIRECTORIES, &[at_raw]), shorts(tags::INTERPRETATION, &[2])]].concat();
     bytes.extend(directory(first, about));
     bytes
 }
@@ -93,7 +97,7 @@ fn words(values: &Array2<u16>) -> Vec<u8> {
 }
 
 fn pattern(phase: [u8; 4]) -> Tags {
-    vec![shorts(tag::CFA_SIZE, &[2, 2]), (tag::CFA, 1, phase.to_vec())]
+    vec![shorts(tags::CFA_SIZE, &[2, 2]), (tags::CFA.0, 1, phase.to_vec())]
 }
 
 /// A DNG with everything that can be said: two strips, an active area at an odd corner.
@@ -101,29 +105,49 @@ fn whole() -> Vec<u8> {
     let values = values();
     let strips = [words(&values.slice(s![..8, ..]).to_owned()), words(&values.slice(s![8.., ..]).to_owned())];
     let mut raw = pattern([2, 1, 1, 0]);
-    raw.push(shorts(tag::BITS, &[16]));
-    raw.push(shorts(tag::STRIP_ROWS, &[8]));
-    raw.push(shorts(tag::BLACK_SIZE, &[2, 2]));
-    raw.push(shorts(tag::BLACK_LEVEL, &[60, 61, 62, 63]));
-    raw.push(shorts(tag::WHITE_LEVEL, &[3900]));
-    raw.push(longs(tag::ACTIVE_AREA, &[1, 3, 13, 20]));
+    raw.push(shorts(tags::BITS, &[16]));
+    raw.push(shorts(tags::STRIP_ROWS, &[8]));
+    raw.push(shorts(tags::BLACK_SIZE, &[2, 2]));
+    raw.push(shorts(tags::BLACK_LEVEL, &[60, 61, 62, 63]));
+    raw.push(shorts(tags::WHITE_LEVEL, &[3900]));
+    raw.push(longs(tags::ACTIVE_AREA, &[1, 3, 13, 20]));
     let about = vec![
-        fractions(tag::NEUTRAL, &[0.5, 1.0, 0.625]),
-        fractions(tag::COLOUR_MATRICES[1], &[0.9, -0.3, -0.1, -0.4, 1.2, 0.2, -0.1, 0.2, 0.7]),
+        fractions(tags::NEUTRAL, &[0.5, 1.0, 0.625]),
+        fractions(tags::COLOUR_MATRIX_1, &[0.9, -0.3, -0.1, -0.4, 1.2, 0.2, -0.1, 0.2, 0.7]),
     ];
     file(&strips, about, raw, None)
 }
 
 fn decoded(bytes: &[u8]) -> Result<Dng, String> {
-    decode(bytes, Path::new("shot.dng")).map_err(|e| e.to_string())
+    decode(bytes, Path::new("shot.dng"), &Overrides::default()).map_err(|e| e.to_string())
+}
+
+/// Words of light where darkness and full light are equal at all pixels.
+fn light(values: &Array2<u16>, black: f64, white: f64) -> Array2<u16> {
+    values.mapv(|v| {
+        let share = ((f64::from(v) - black) / (white - black)).clamp(0.0, 1.0);
+        (65536.0 * share).round().min(65535.0) as u16
+    })
+}
+
+/// The largest difference of words.
+fn difference(a: &Array2<u16>, b: &Array2<u16>) -> u16 {
+    assert_eq!(a.dim(), b.dim());
+    a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0)
 }
 
 #[test]
 fn strips_levels_pattern_and_colours_are_read() {
-    let Dng { frame, levels, rendering } = decoded(&whole()).unwrap();
-    assert_eq!(frame.values(), values().slice(s![1..13, 3..19]));
+    let Dng { frame, rendering, finish, notes } = decoded(&whole()).unwrap();
+    // Each pixel's own darkness is subtracted; the scale is that of the largest.
+    let of_cell = |r: usize, c: usize| [60.0, 61.0, 62.0, 63.0][2 * (r % 2) + c % 2];
+    let expected = Array2::from_shape_fn((12, 16), |(r, c)| {
+        let share = (f64::from(values()[(r + 1, c + 3)]) - of_cell(r, c)) / (3900.0 - 63.0);
+        (65536.0 * share.clamp(0.0, 1.0)).round().min(65535.0) as u16
+    });
+    assert_eq!(frame.values(), expected);
     assert_eq!((frame.phase(), frame.depth()), (CfaPhase::Bggr, 16));
-    assert_eq!((levels.black.values(), levels.white), ([60.0, 61.0, 62.0, 63.0], Some(3900.0)));
+    assert_eq!((finish, notes), (Finish::default(), vec![]));
     assert_eq!(<[f64; 3]>::from(rendering.white_balance.unwrap()), [2.0, 1.0, 1.6]);
     // A camera sees a colour by way of XYZ; the matrix leads back to it.
     let camera = product([[0.9, -0.3, -0.1], [-0.4, 1.2, 0.2], [-0.1, 0.2, 0.7]], D65_FROM_SRGB);
@@ -150,12 +174,12 @@ fn lossless_tiles_reach_over_the_edge_and_may_hold_two_columns_a_sample() {
     };
     let parts: Vec<Vec<u8>> = (0..6).map(tile).collect();
     let mut raw = pattern([0, 1, 1, 2]);
-    raw.push(shorts(tag::COMPRESSION, &[7]));
-    raw.push(shorts(tag::BITS, &[12]));
+    raw.push(shorts(tags::COMPRESSION, &[7]));
+    raw.push(shorts(tags::BITS, &[12]));
     let bytes = file(&parts, vec![], raw, Some([8, 8]));
-    let Dng { frame, levels, rendering } = decoded(&bytes).unwrap();
-    assert_eq!((frame.values(), frame.depth(), frame.phase()), (values, 12, CfaPhase::Rggb));
-    assert_eq!((levels, rendering.matrix), (Levels { black: Black::default(), white: Some(4095.0) }, None));
+    let Dng { frame, rendering, .. } = decoded(&bytes).unwrap();
+    assert_eq!((frame.values(), frame.phase()), (light(&values, 0.0, 4095.0), CfaPhase::Rggb));
+    assert_eq!(rendering, Rendering::default());
 }
 
 #[test]
@@ -167,14 +191,18 @@ fn packed_pixels_and_a_linearization_table_are_read() {
     };
     let bytes: Vec<u8> = values.outer_iter().flat_map(pack).collect();
     let mut raw = pattern([1, 0, 2, 1]);
-    raw.push(shorts(tag::BITS, &[10]));
+    raw.push(shorts(tags::BITS, &[10]));
     let table: Vec<u16> = (0..1000).map(|v| v * 60).collect();
     let plain = file(std::slice::from_ref(&bytes), vec![], raw.clone(), None);
-    assert_eq!(decoded(&plain).unwrap().frame.values(), values);
-    raw.push(shorts(tag::LINEARIZATION, &table));
-    let Dng { frame, levels, .. } = decoded(&file(&[bytes], vec![], raw, None)).unwrap();
-    assert_eq!((frame.values(), frame.phase()), (values.mapv(|v| v.min(999) * 60), CfaPhase::Grbg));
-    assert_eq!(levels.white, Some(65535.0));
+    let found = decoded(&plain).unwrap().frame.values();
+    assert!(difference(&found, &light(&values, 0.0, 1023.0)) <= 1);
+    raw.push(shorts(tags::LINEARIZATION, &table));
+    let without = decoded(&file(std::slice::from_ref(&bytes), vec![], raw.clone(), None)).unwrap_err();
+    assert!(without.contains("WhiteLevel (50717) is missing"), "{without}");
+    raw.push(longs(tags::WHITE_LEVEL, &[65535]));
+    let Dng { frame, .. } = decoded(&file(&[bytes], vec![], raw, None)).unwrap();
+    let expected = light(&values.mapv(|v| v.min(999) * 60), 0.0, 65535.0);
+    assert!(difference(&frame.values(), &expected) <= 1 && frame.phase() == CfaPhase::Grbg);
 }
 
 #[test]
@@ -184,20 +212,30 @@ fn what_is_no_bayer_mosaic_or_compressed_otherwise_is_reported() {
         decoded(&file(&[words(&values())], vec![], more, None)).unwrap_err()
     };
     assert!(told(vec![], [0, 1, 2, 3]).contains("sensor has a 2x2 mosaic [0, 1, 2, 3]"));
-    let lossy = told(vec![shorts(tag::COMPRESSION, &[34892])], [0, 1, 1, 2]);
-    assert!(lossy.starts_with("shot.dng: ") && lossy.contains("compression 34892, expected 1"), "{lossy}");
-    assert!(told(vec![shorts(tag::SAMPLES, &[3])], [0, 1, 1, 2]).contains("not one value"));
-    assert!(told(vec![longs(tag::ACTIVE_AREA, &[0, 0, 99, 4])], [0, 1, 1, 2]).contains("active area"));
-    assert!(told(vec![shorts(tag::BLACK_LEVEL, &[1, 2, 3])], [0, 1, 1, 2]).contains("black levels"));
-    assert!(decoded(b"hello").unwrap_err().contains("does not begin like a DNG"));
-    let picture = directory(8, vec![shorts(tag::INTERPRETATION, &[2])]);
+    let lossy = told(vec![shorts(tags::COMPRESSION, &[34892])], [0, 1, 1, 2]);
+    let expected = "Compression (259) is 34892 (lossy JPEG), expected 1 (none) or 7 (lossless JPEG); convert";
+    assert!(lossy.starts_with("shot.dng: ") && lossy.contains(expected), "{lossy}");
+    let bayer = [0, 1, 1, 2];
+    assert!(
+        told(vec![shorts(tags::SAMPLES, &[3])], bayer).contains("SamplesPerPixel (277) is 3, expected 1")
+    );
+    assert!(
+        told(vec![longs(tags::ACTIVE_AREA, &[0, 0, 99, 4])], bayer)
+            .contains("ActiveArea (50829) has 0, 0, 99, 4")
+    );
+    assert!(
+        told(vec![shorts(tags::BLACK_LEVEL, &[1, 2, 3])], bayer)
+            .contains("BlackLevel (50714) has 1, 2, 3, expected 1")
+    );
+    assert!(decoded(b"hello").unwrap_err().contains("does not begin like a TIFF or a DNG"));
+    let picture = directory(8, vec![shorts(tags::INTERPRETATION, &[2])]);
     let picture = [&b"II*\0\x08\0\0\0"[..], &picture].concat();
-    assert!(decoded(&picture).unwrap_err().contains("no directory of it holds a colour filter array"));
+    assert!(decoded(&picture).unwrap_err().contains("no directory of the file has a colour filter array"));
 }
 
 #[test]
 fn directories_that_lead_in_circles_end() {
-    let mut bytes = directory(8, vec![longs(330, &[8])]);
+    let mut bytes = directory(8, vec![longs(tags::SUB_DIRECTORIES, &[8])]);
     let end = bytes.len();
     bytes[end - 4..].copy_from_slice(&8u32.to_le_bytes());
     assert!(decoded(&[&b"II*\0\x08\0\0\0"[..], &bytes].concat()).is_err());
@@ -208,13 +246,185 @@ fn tiles_that_share_their_bytes_make_no_large_frame_of_a_small_file() {
     const TILES: usize = 60_000 / 16;
     let mut raw = pattern([0, 1, 1, 2]);
     raw.extend([
-        shorts(tag::WIDTH, &[60_000]),
-        shorts(tag::TILE_HEIGHT, &[16]),
-        shorts(tag::TILE_WIDTH, &[16]),
+        shorts(tags::WIDTH, &[60_000]),
+        shorts(tags::TILE_HEIGHT, &[16]),
+        shorts(tags::TILE_WIDTH, &[16]),
     ]);
-    raw.extend([longs(tag::TILE_OFFSETS, &[8; TILES]), longs(tag::TILE_BYTES, &[512; TILES])]);
+    raw.extend([longs(tags::TILE_OFFSETS, &[8; TILES]), longs(tags::TILE_BYTES, &[512; TILES])]);
     let bytes = file(&[vec![0; 512]], vec![], raw, None);
-    assert!(decoded(&bytes).unwrap_err().contains("it ends before its pixels do"));
+    assert!(decoded(&bytes).unwrap_err().contains("the file is cut: it ends before its pixels do"));
+}
+
+/// A frame of 16-bit words in one strip, with these tags beside it.
+fn plain(about: Tags, mut raw: Tags) -> Vec<u8> {
+    raw.extend(pattern([0, 1, 1, 2]));
+    file(&[words(&values())], about, raw, None)
+}
+
+#[test]
+fn black_differs_by_row_and_column_as_stated() {
+    let rows: Vec<f64> = (0..HEIGHT).map(|r| (r % 3) as f64).collect();
+    let columns: Vec<f64> = (0..WIDTH).map(|c| -(c as f64) / 2.0).collect();
+    let raw = vec![
+        longs(tags::WHITE_LEVEL, &[4000]),
+        longs(tags::BLACK_LEVEL, &[50]),
+        fractions(tags::BLACK_DELTA_V, &rows),
+        fractions(tags::BLACK_DELTA_H, &columns),
+    ];
+    let Dng { frame, .. } = decoded(&plain(vec![], raw)).unwrap();
+    let expected = Array2::from_shape_fn((HEIGHT, WIDTH), |(r, c)| {
+        let share = (f64::from(values()[(r, c)]) - (50.0 + rows[r] + columns[c])) / (4000.0 - 52.0);
+        (65536.0 * share.clamp(0.0, 1.0)).round().min(65535.0) as u16
+    });
+    assert!(difference(&frame.values(), &expected) <= 1);
+}
+
+#[test]
+fn the_calibration_for_the_light_nearest_to_daylight_is_taken_whatever_its_place() {
+    let (near, far) = (
+        [0.8, -0.1, -0.1, -0.4, 1.2, 0.2, -0.1, 0.2, 0.7],
+        [1.2, -0.3, -0.05, -0.2, 1.1, 0.1, 0.0, 0.1, 0.4],
+    );
+    let matrix = |about: Tags| decoded(&plain(about, vec![])).unwrap().rendering.matrix.unwrap();
+    let alone = matrix(vec![fractions(tags::COLOUR_MATRIX_1, &near)]);
+    let both = |first: (&[f64], u16), second: (&[f64], u16)| {
+        matrix(vec![
+            fractions(tags::COLOUR_MATRIX_1, first.0),
+            shorts(tags::ILLUMINANT_1, &[first.1]),
+            fractions(tags::COLOUR_MATRIX_2, second.0),
+            shorts(tags::ILLUMINANT_2, &[second.1]),
+        ])
+    };
+    assert_eq!(both((&near, 21), (&far, 17)), alone);
+    assert_eq!(both((&far, 17), (&near, 21)), alone);
+    assert_eq!(both((&near, 23), (&far, 17)), alone);
+}
+
+#[test]
+fn stated_values_take_the_place_of_damaged_ones() {
+    let about = vec![fractions(tags::NEUTRAL, &[0.0; 3])];
+    let raw = vec![longs(tags::BLACK_LEVEL, &[1, 2, 3])];
+    let bytes = plain(about, raw);
+    assert!(decoded(&bytes).unwrap_err().contains("BlackLevel (50714)"));
+    let white_balance = WhiteBalance::try_from([2.0, 1.0, 1.5]).ok();
+    let overrides = Overrides {
+        phase: Some(CfaPhase::Gbrg),
+        black: Some(Black::from(64)),
+        white: Some(4095.0),
+        white_balance,
+        matrix: None,
+    };
+    let Dng { frame, rendering, notes, .. } = decode(&bytes, Path::new("shot.dng"), &overrides).unwrap();
+    assert_eq!((frame.values(), frame.phase()), (light(&values(), 64.0, 4095.0), CfaPhase::Gbrg));
+    assert_eq!(rendering.white_balance, white_balance);
+    assert_eq!(notes, ["CFAPattern (33422) states rggb; gbrg is used as stated"]);
+}
+
+#[test]
+fn crop_and_orientation_are_those_of_the_file() {
+    let about = vec![shorts(tags::ORIENTATION, &[6])];
+    let raw = vec![
+        longs(tags::ACTIVE_AREA, &[2, 2, 14, 20]),
+        longs(tags::CROP_ORIGIN, &[4, 2]),
+        longs(tags::CROP_SIZE, &[10, 8]),
+    ];
+    let Dng { frame, finish, .. } = decoded(&plain(about.clone(), raw.clone())).unwrap();
+    assert_eq!(frame.size(), (12, 18));
+    assert_eq!(finish.crop, Some(Crop { top: 2, left: 4, height: 8, width: 10 }));
+    assert_eq!(finish.orientation, Orientation::Clockwise);
+    let half = fractions(tags::USER_CROP, &[0.5, 0.0, 1.0, 0.5]);
+    let finish = decoded(&plain(about, [raw, vec![half]].concat())).unwrap().finish;
+    assert_eq!(finish.crop, Some(Crop { top: 6, left: 4, height: 4, width: 5 }));
+    let outside = vec![longs(tags::CROP_SIZE, &[21, 4])];
+    assert!(decoded(&plain(vec![], outside)).unwrap_err().contains("DefaultCropSize (50720) has 21, 4"));
+}
+
+/// A list of one opcode, big-endian.
+fn opcode(Tag(tag, _): Tag, id: u32, flags: u32, parameters: &[u8]) -> (u16, u16, Vec<u8>) {
+    let mut bytes = [1u32.to_be_bytes(), id.to_be_bytes(), [1, 3, 0, 0], flags.to_be_bytes()].concat();
+    bytes.extend((parameters.len() as u32).to_be_bytes());
+    bytes.extend(parameters);
+    (tag, 7, bytes)
+}
+
+fn big_endian(values: &[u32]) -> Vec<u8> {
+    values.iter().flat_map(|v| v.to_be_bytes()).collect()
+}
+
+#[test]
+fn listed_defects_are_repaired_and_gains_of_rows_applied() {
+    let mut damaged = values();
+    damaged[(6, 8)] = 60_000;
+    let list = opcode(tags::OPCODES_1, 5, 0, &big_endian(&[0, 1, 0, 6, 8]));
+    let raw = [pattern([0, 1, 1, 2]), vec![list, longs(tags::WHITE_LEVEL, &[4095])]].concat();
+    let Dng { frame, .. } = decoded(&file(&[words(&damaged)], vec![], raw, None)).unwrap();
+    // Values rise evenly, so the mean of the four neighbours is the value that was there.
+    assert_eq!(frame.values(), light(&values(), 0.0, 4095.0));
+
+    let mut scale = big_endian(&[0, 0, HEIGHT as u32, WIDTH as u32, 0, 1, 1, 1, HEIGHT as u32]);
+    scale.extend((0..HEIGHT).flat_map(|row| (1.0 - row as f32 / 32.0).to_be_bytes()));
+    let raw = vec![opcode(tags::OPCODES_2, 12, 0, &scale), longs(tags::WHITE_LEVEL, &[4095])];
+    let Dng { frame, .. } = decoded(&plain(vec![], raw)).unwrap();
+    let expected = Array2::from_shape_fn((HEIGHT, WIDTH), |(r, c)| {
+        let share = f64::from(values()[(r, c)]) / 4095.0 * (1.0 - r as f64 / 32.0);
+        (65536.0 * share).round() as u16
+    });
+    assert!(difference(&frame.values(), &expected) <= 1);
+}
+
+#[test]
+fn an_opcode_that_is_needed_and_unknown_is_rejected_and_an_optional_one_noted() {
+    for (id, list) in [(99, tags::OPCODES_1), (14, tags::OPCODES_3), (1, tags::OPCODES_2)] {
+        let needed = decoded(&plain(vec![], vec![opcode(list, id, 0, &[0; 8])])).unwrap_err();
+        assert!(needed.contains(&list.to_string()) && needed.contains(&format!("{id}")), "{needed}");
+        let optional = decoded(&plain(vec![], vec![opcode(list, id, 1, &[0; 8])])).unwrap();
+        assert!(optional.notes[0].contains("is optional and left out"), "{:?}", optional.notes);
+        assert_eq!(optional.finish, Finish::default());
+    }
+    let wrong = decoded(&plain(vec![], vec![opcode(tags::OPCODES_1, 4, 1, &[0; 7])])).unwrap_err();
+    assert!(wrong.contains("wrong parameters of FixBadPixelsConstant (4)"), "{wrong}");
+    let (tag, kind, mut bytes) = opcode(tags::OPCODES_1, 4, 0, &[0; 8]);
+    bytes.truncate(20);
+    assert!(decoded(&plain(vec![], vec![(tag, kind, bytes)])).unwrap_err().contains("the file is cut"));
+}
+
+#[test]
+fn tags_with_another_value_than_the_one_that_is_read_are_rejected_by_name() {
+    for (tag, value) in [
+        (tags::FILL_ORDER, 2),
+        (tags::PREDICTOR, 2),
+        (tags::CFA_LAYOUT, 2),
+        (tags::ROW_INTERLEAVE, 2),
+        (tags::COLUMN_INTERLEAVE, 2),
+        (tags::COLORIMETRIC_REFERENCE, 1),
+        (tags::JPEG_TABLES, 0),
+        (tags::SAMPLE_FORMAT, 2),
+        (tags::NEW_SUBFILE_TYPE, 1),
+    ] {
+        let error = decoded(&plain(vec![], vec![shorts(tag, &[value])])).unwrap_err();
+        assert!(error.contains(&format!("{tag} is ")) && error.contains("; convert it"), "{error}");
+    }
+}
+
+#[test]
+fn a_tag_that_cannot_be_read_is_no_missing_tag() {
+    let (tag, _, bytes) = shorts(tags::BLACK_LEVEL, &[64]);
+    let error = decoded(&plain(vec![], vec![(tag, 3, bytes.repeat(500))])).unwrap_err();
+    assert!(error.contains("BlackLevel (50714) has 64, 64"), "{error}");
+    let mut whole = plain(vec![], vec![longs(tags::BLACK_LEVEL, &[1; 3])]);
+    // The tag's numbers are behind its directory; move them past the end.
+    let entry = [tag.to_le_bytes().as_slice(), &4u16.to_le_bytes(), &3u32.to_le_bytes()].concat();
+    let at = whole.windows(8).position(|window| window == entry).unwrap();
+    whole[at + 8..at + 12].copy_from_slice(&0x00ff_0000u32.to_le_bytes());
+    let error = decoded(&whole).unwrap_err();
+    assert!(error.contains("the file is cut: it ends before BlackLevel (50714); copy it again"), "{error}");
+}
+
+#[test]
+fn every_tag_has_one_name_and_one_number() {
+    let numbers: std::collections::BTreeSet<u16> = tags::ALL.iter().map(|tag| tag.0).collect();
+    let names: std::collections::BTreeSet<&str> = tags::ALL.iter().map(|tag| tag.1).collect();
+    assert_eq!((numbers.len(), names.len()), (tags::ALL.len(), tags::ALL.len()));
 }
 
 proptest! {

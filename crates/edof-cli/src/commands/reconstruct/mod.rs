@@ -20,9 +20,11 @@ use edof_image::frame::FrameError;
 use edof_image::overlap::Overlap;
 use edof_image::reconstructor::Multiplications;
 use edof_image::{CfaPhase, Channel, ColourFrame, RawFrame, Reconstructor, Stride, Tone, cable};
+use edof_io::camera_raw::CameraRawError;
+use edof_io::finish::Finish;
 use edof_io::levels::{Levels, LevelsError};
 use edof_io::picture::Format;
-use edof_io::raw::RawError;
+use edof_io::raw::{Kind, RawError};
 use edof_io::read_warnings::{ReadWarning, read_warnings};
 use edof_io::record::{self, RawRecord, RecordError, Stated};
 use edof_io::rendering::Rendering;
@@ -30,7 +32,7 @@ use edof_io::{photo, raw};
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::layer_names;
 use edof_storage::provenance::Input;
-use options::{curve, raw_options};
+use options::{curve, overrides, raw_options};
 use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -126,6 +128,8 @@ fn timed<T, E>(compute: impl FnOnce() -> Result<T, E>) -> Result<(T, f64), E> {
 /// What has been made and written.
 struct Made {
     name: String,
+    /// Rows and columns of the picture.
+    size: (usize, usize),
     tone: Tone,
     seconds: f64,
     multiplications: Option<Multiplications>,
@@ -142,6 +146,8 @@ struct Taken {
     /// The camera that took it, where anybody says.
     camera: Option<Camera>,
     rendering: Rendering,
+    /// What its file asks to be done with the picture.
+    finish: Finish,
 }
 
 impl Taken {
@@ -163,7 +169,7 @@ impl Job<'_> {
             self.remark(&taken.frame, ui);
         }
         let made = if self.args.float { self.float(&taken, ui)? } else { self.fixed(&taken, ui)? };
-        let (height, width) = taken.frame.size();
+        let (height, width) = made.size;
         let per_megapixel = made.seconds / ((height * width) as f64 / 1e6);
         ui.say(format!(
             "{}: {width}x{height} by {} in {:.3} s ({per_megapixel:.2} s per megapixel)",
@@ -201,10 +207,11 @@ impl Job<'_> {
             Some(device) => Box::new(GpuFloat::new(device, network, stride, Overlap::Hann)?),
         };
         let result = method.reconstruct(&taken.sent(Tone::Linear)).map_err(|e| self.failed(e))?;
-        self.save(result.frame, taken)?;
+        let size = self.save(result.frame, taken)?;
         let name = method.name().to_owned();
         Ok(Made {
             name,
+            size,
             tone,
             seconds: result.seconds,
             multiplications: result.multiplications,
@@ -231,14 +238,19 @@ impl Job<'_> {
         };
         let (picture, shown) = out.picture(&Display::of_values(values, args.display, curve(args, tone)));
         let board = self.codes_file();
-        if let Some(codes) = &board {
+        let size = if let Some(codes) = &board {
+            if !taken.finish.is_identity() {
+                let raw = self.raw.display();
+                ui.note(format!("{raw}: the board neither corrects the lens nor crops or turns the picture"));
+            }
             photo::save(&self.out, &picture.shown_frame(), args.bits)?;
             edof_storage::atomic::write(codes, &picture.yuyv())?;
+            taken.frame.size()
         } else {
             let mut light = out.colour();
             values.lighten(&mut light);
-            self.save(light, taken)?;
-        }
+            self.save(light, taken)?
+        };
         if let Some(folder) = &args.words {
             let boundaries = golden.words(&raw).map_err(|e| self.failed(e))?;
             words::save(folder, &boundaries, &out.frame, &picture)?;
@@ -250,14 +262,17 @@ impl Job<'_> {
             "words": args.words.as_deref().map(|folder| words::file(folder).display().to_string()),
         });
         let multiplications = Some(out.counts.multiplications(golden.network()));
-        Ok(Made { name, tone, seconds, multiplications, more })
+        Ok(Made { name, size, tone, seconds, multiplications, more })
     }
 
-    /// Writes a picture of the network's light.
-    fn save(&self, mut light: ColourFrame, taken: &Taken) -> Result<(), Error> {
+    /// Writes a picture of the network's light; gives its rows and columns.
+    fn save(&self, mut light: ColourFrame, taken: &Taken) -> Result<(usize, usize), Error> {
+        taken.finish.correct(&mut light);
         taken.rendering.apply(&mut light);
         let curve = curve(self.args, self.tone(taken));
-        Ok(photo::save(&self.out, &curve.encoded(light), self.args.bits)?)
+        let picture = curve.encoded(taken.finish.frame(light));
+        photo::save(&self.out, &picture, self.args.bits)?;
+        Ok(picture.size())
     }
 
     /// Where the board's codes go, if they are asked for.
@@ -285,6 +300,7 @@ impl Job<'_> {
                 self.failed("--video has no header; state its size as WIDTHxHEIGHT by --size 1920x1080, say")
             }
             (RawError::NoSize { .. }, _) => Error::message(format!("{error}: --size 1920x1080, say")),
+            (RawError::CameraRaw(CameraRawError::Levels { source, .. }), _) => self.level(source),
             _ => error.into(),
         }
     }
@@ -333,31 +349,56 @@ impl Job<'_> {
         let camera = record.as_ref().map(|record| record.camera.clone()).or(stated.camera);
         let given = raw_options(args);
         let options = record.as_ref().map_or(given, |record| record.options(given));
-        let raw::Opened { frame, levels: of_file, rendering: own } =
-            raw::open(raw, &options).map_err(|e| self.unread(e))?;
-        if let Some(given) = args.phase.filter(|phase| *phase != frame.phase()) {
-            return Err(self.failed(format!("says {}; leave --phase {given} out", frame.phase())));
+        let overrides = overrides(args, record.as_ref());
+        let opened = raw::open(raw, &options, &overrides).map_err(|e| self.unread(e))?;
+        self.check_options(opened.kind)?;
+        for note in &opened.notes {
+            ui.note(format!("{}: {note}", raw.display()));
         }
+        let frame = opened.frame;
         if let Some(record) = record.as_ref().filter(|_| !overruled) {
             record.check(raw, &frame)?;
         }
-        let levels = match &record {
-            Some(record) => record.levels(),
-            None => {
-                let Levels { black, white } = of_file.unwrap_or_default();
-                Levels { black: args.black_level.unwrap_or(black), white: args.white_level.or(white) }
-            }
-        };
-        let own = record.as_ref().map_or(own, RawRecord::rendering);
-        let rendering = Rendering {
-            white_balance: args.white_balance.or(own.white_balance),
-            matrix: args.colour_matrix.or(own.matrix),
-        };
         let name = raw.file_name().unwrap_or_default().to_string_lossy();
         ui.used(Input::raw_frame(&name, &frame));
-        let frame = levels.light(&frame).map_err(|e| self.level(&e))?;
+        let frame = match opened.kind {
+            // Levels are those of the file already, or the stated ones.
+            Kind::Dng => frame,
+            Kind::Values | Kind::CameraRaw => {
+                let levels = Levels { black: overrides.black.unwrap_or_default(), white: overrides.white };
+                levels.light(&frame).map_err(|e| self.level(&e))?
+            }
+        };
+        let rendering = Rendering {
+            white_balance: overrides.white_balance.or(opened.rendering.white_balance),
+            matrix: overrides.matrix.or(opened.rendering.matrix),
+        };
         let values = record.as_ref().map_or(Tone::Linear, |record| record.values);
-        Ok(Taken { frame, values, record, camera, rendering })
+        Ok(Taken { frame, values, record, camera, rendering, finish: opened.finish })
+    }
+
+    /// Rejects options that only files without a description of their values need, beside a camera's file.
+    fn check_options(&self, kind: Kind) -> Result<(), Error> {
+        let what = match kind {
+            Kind::Values => return Ok(()),
+            Kind::Dng => "a DNG",
+            Kind::CameraRaw => "a camera's raw file",
+        };
+        let args = self.args;
+        let given = [
+            ("--size", args.size.map(|size| format!(" {size}"))),
+            ("--bit-depth", args.depth.map(|depth| format!(" {depth}"))),
+            ("--align", args.align.as_ref().map(|align| format!(" {align}"))),
+            ("--packing", args.packing.map(|packing| format!(" {}", packing.name()))),
+            ("--video", args.video.then(String::new)),
+        ];
+        match given.into_iter().find_map(|(name, value)| Some((name, value?))) {
+            None => Ok(()),
+            Some((name, value)) => Err(Error::message(format!(
+                "{name}{value}: has no effect on {}, {what}, which states it; leave {name} out",
+                self.raw.display()
+            ))),
+        }
     }
 
     /// Whether options take the place of what the record says, which only --force lets them.

@@ -8,10 +8,11 @@ use clap::ValueEnum;
 use edof_camera::Camera;
 use edof_golden::Curve;
 use edof_image::{CfaPhase, DisplayMode, Noise, Tone};
+use edof_io::dng::Overrides;
 use edof_io::levels::Black;
 use edof_io::packing::{ByteOrder, Packing};
 use edof_io::raw::{Alignment, RawOptions, Size};
-use edof_io::record::Stated;
+use edof_io::record::{RawRecord, Stated};
 use edof_io::rendering::{ColourMatrix, WhiteBalance};
 use std::path::PathBuf;
 
@@ -189,6 +190,18 @@ pub(super) fn curve(args: &Args, tone: Tone) -> Curve {
         (Some(Gamma::Linear), _) | (None, Tone::Linear) => Curve::Linear,
         (Some(Gamma::Srgb), _) | (None, Tone::Srgb) => Curve::Srgb,
         (Some(Gamma::Bt709), _) => Curve::Bt709,
+    }
+}
+
+/// What takes the place of a camera's file: the record beside it, else the options.
+pub(super) fn overrides(args: &Args, record: Option<&RawRecord>) -> Overrides {
+    let own = record.map(RawRecord::rendering).unwrap_or_default();
+    Overrides {
+        phase: record.map(|record| record.phase).or(args.phase),
+        black: record.map(|record| record.black_level).or(args.black_level),
+        white: record.map_or(args.white_level, |record| record.white_level),
+        white_balance: args.white_balance.or(own.white_balance),
+        matrix: args.colour_matrix.or(own.matrix),
     }
 }
 
