@@ -36,7 +36,9 @@ pub struct Directory<'a> {
 pub struct Directories<'a> {
     /// Those that could be read: the first, those below it in their order, those after it.
     pub found: Vec<Directory<'a>>,
-    /// Whether one more lies beyond the end of the file.
+    /// What of the chain of directories could not be followed, first of all.
+    pub lost: Option<Refusal>,
+    /// Whether the file ends before a directory that another one names as the next.
     pub is_cut: bool,
 }
 
@@ -87,28 +89,32 @@ impl<'a> Tiff<'a> {
     /// All directories.
     #[must_use]
     pub fn directories(self) -> Directories<'a> {
-        let (mut found, mut is_cut) = (vec![], false);
+        let (mut found, mut lost, mut is_cut) = (vec![], None, false);
         let mut seen = BTreeSet::new();
         let first = if self.is_wide { self.whole(8, 8) } else { self.whole(4, 4) };
-        let mut open = vec![first.unwrap_or(u64::MAX)];
-        while let (Some(at), true) = (open.pop(), found.len() < MAX) {
+        // Where a directory begins, and whether it is below another one.
+        let mut open = vec![(first.unwrap_or(u64::MAX), false)];
+        while let (Some((at, is_below)), true) = (open.pop(), found.len() < MAX) {
             if at == 0 || !seen.insert(at) {
                 continue;
             }
             let Some((directory, next)) = self.directory(at) else {
                 is_cut = true;
+                if is_below {
+                    lost = lost.or(Some(Refusal::Cut(format!("a directory of {}", tags::SUB_DIRECTORIES))));
+                }
                 continue;
             };
-            open.push(next);
-            match directory.numbers(tags::SUB_DIRECTORIES) {
+            open.push((next, false));
+            match directory.wholes(tags::SUB_DIRECTORIES) {
                 Ok(below) => {
-                    open.extend(below.unwrap_or_default().into_iter().rev().map(|at| at as u64));
+                    open.extend(below.unwrap_or_default().into_iter().rev().map(|at| (at as u64, true)));
                 }
-                Err(_) => is_cut = true,
+                Err(refusal) => lost = lost.or(Some(refusal)),
             }
             found.push(directory);
         }
-        Directories { found, is_cut }
+        Directories { found, lost, is_cut }
     }
 
     /// The directory that begins at a byte, and where the next one does (0: none).

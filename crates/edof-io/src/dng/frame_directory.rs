@@ -35,6 +35,9 @@ pub struct Chosen<'a, 'd> {
 pub fn choose<'a, 'd>(all: &'d Directories<'a>) -> Result<Chosen<'a, 'd>, Refusal> {
     let cut = || Refusal::Cut("its directories do".to_owned());
     let Some(first) = all.found.first() else { return Err(cut()) };
+    if let Some(lost) = &all.lost {
+        return Err(lost.clone());
+    }
     check_version(first)?;
     let (mut mosaics, mut reduced, mut linear) = (vec![], false, false);
     for directory in &all.found {
@@ -70,6 +73,7 @@ fn is_full_resolution(directory: &Directory<'_>) -> Result<bool, Refusal> {
 }
 
 fn check_version(first: &Directory<'_>) -> Result<(), Refusal> {
+    first.exactly::<4>(tags::VERSION)?;
     match first.exactly::<4>(tags::BACKWARD_VERSION)? {
         Some(version) if version > VERSION => {
             let dotted = |version: [f64; 4]| version.map(words::number).join(".");

@@ -100,34 +100,20 @@ impl BlackLevels {
     }
 }
 
-/// The value of full light.
-fn white(raw: &Directory<'_>, sample: Sample, stated: Option<f64>) -> Result<f64, Refusal> {
-    let largest = raw.numbers(tags::LINEARIZATION)?.unwrap_or_default().into_iter().fold(0.0, f64::max);
-    let (max, usual) = match sample {
-        Sample::Float(_) => (f64::from(f32::MAX), 1.0),
-        Sample::Whole(bits) => {
-            let full = f64::from(bits).exp2();
-            (full.max(largest + 1.0), full - 1.0)
-        }
-    };
-    let white = match stated {
-        Some(white) => white,
-        None => match raw.numbers(tags::WHITE_LEVEL)? {
-            Some(white) => {
-                *white.first().ok_or_else(|| Refusal::wrong(tags::WHITE_LEVEL, &[], "a number"))?
-            }
-            None if largest > usual => {
-                let what = "and LinearizationTable has values beyond BitsPerSample; state the white level";
-                return Err(Refusal::Missing { tag: tags::WHITE_LEVEL, what });
-            }
-            None => usual,
-        },
-    };
-    if white > 0.0 && white <= max {
-        return Ok(white);
+/// The value of full light: the file's, else the largest of its bits, or 1 of floating-point numbers.
+fn white(raw: &Directory<'_>, sample: Sample) -> Result<f64, Refusal> {
+    if let Some(white) = raw.numbers(tags::WHITE_LEVEL)? {
+        return white.first().copied().ok_or_else(|| Refusal::wrong(tags::WHITE_LEVEL, &[], "a number"));
     }
-    let depth = max.log2().round() as u32;
-    Err(Refusal::Levels(LevelsError::White { white, max: max.min(f64::from(u32::MAX)) as u32, depth }))
+    let largest = raw.numbers(tags::LINEARIZATION)?.unwrap_or_default().into_iter().fold(0.0, f64::max);
+    match sample {
+        Sample::Float(_) => Ok(1.0),
+        Sample::Whole(bits) if largest < f64::from(bits).exp2() => Ok(f64::from(bits).exp2() - 1.0),
+        Sample::Whole(_) => {
+            let what = "and LinearizationTable has values beyond BitsPerSample; state the white level";
+            Err(Refusal::Missing { tag: tags::WHITE_LEVEL, what })
+        }
+    }
 }
 
 /// The light of the active area, 0 to 1: (value − black) / (white − the largest black), what is outside cut off.
@@ -146,11 +132,11 @@ pub fn light(
         Some(black) => BlackLevels::stated(black),
         None => BlackLevels::of(raw, light.dim())?,
     };
-    let white = white(raw, sample, overrides.white)?;
+    let white = overrides.white.map_or_else(|| white(raw, sample), Ok)?;
     let (height, width) = light.dim();
     let all = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
     let black = all.map(|(row, column)| levels.at(row, column)).fold(f64::NEG_INFINITY, f64::max);
-    if black >= white {
+    if white.is_nan() || black >= white {
         return Err(Refusal::Levels(LevelsError::Black { black, white }));
     }
     for ((row, column), value) in light.indexed_iter_mut() {

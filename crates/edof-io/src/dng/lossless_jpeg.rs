@@ -60,6 +60,17 @@ impl Bits<'_> {
         }
     }
 
+    /// Goes on behind the next marker, which must be that of a restart.
+    fn restart(&mut self) -> Result<(), Reason> {
+        match self.bytes.get(self.at..) {
+            Some([0xff, 0xd0..=0xd7, ..]) => {
+                *self = Bits { bytes: self.bytes, at: self.at + 2, held: 0, count: 0, missing: 0 };
+                Ok(())
+            }
+            _ => Err(DAMAGED),
+        }
+    }
+
     fn take(&mut self, bits: u32) -> u32 {
         self.count -= bits;
         (self.held >> self.count) as u32 & ((1 << bits) - 1)
@@ -102,6 +113,7 @@ struct Header {
 pub fn decode(bytes: &[u8], expected: usize) -> Result<Vec<u16>, Reason> {
     let mut at = 2;
     let (mut codes, mut header): ([Option<Codes>; 4], Option<Header>) = ([const { None }; 4], None);
+    let mut restart = 0u16;
     if bytes.get(..2) != Some(&[0xff, 0xd8]) {
         return Err("its tiles are no JPEG");
     }
@@ -114,10 +126,11 @@ pub fn decode(bytes: &[u8], expected: usize) -> Result<Vec<u16>, Reason> {
             0xc4 => tables(part, &mut codes)?,
             0xc3 => header = Some(frame(part, expected)?),
             0xc0..=0xc2 | 0xc5..=0xc7 | 0xc9..=0xcb | 0xcd..=0xcf => return Err("its JPEG is lossy"),
-            0xdd if part != [0, 0] => return Err("its lossless JPEG has restart intervals"),
+            0xdd => restart = part.try_into().map(u16::from_be_bytes).map_err(|_| DAMAGED)?,
             0xda => {
                 let header = header.ok_or(DAMAGED)?;
-                return scan(&header, part, &codes, bytes.get(at..).unwrap_or_default());
+                let rows = rows_between_restarts(usize::from(restart), header.columns)?;
+                return scan(&header, part, &codes, bytes.get(at..).unwrap_or_default(), rows);
             }
             _ => (),
         }
@@ -155,7 +168,22 @@ fn frame(part: &[u8], expected: usize) -> Result<Header, Reason> {
     Ok(header)
 }
 
-fn scan(header: &Header, part: &[u8], codes: &[Option<Codes>; 4], bytes: &[u8]) -> Result<Vec<u16>, Reason> {
+/// Rows from one restart to the next, none without restarts. An interval ends with a row (T.81, H.1.1).
+fn rows_between_restarts(interval: usize, columns: usize) -> Result<Option<usize>, Reason> {
+    match (interval, columns) {
+        (0, _) => Ok(None),
+        (_, 1..) if interval.is_multiple_of(columns) => Ok(Some(interval / columns)),
+        _ => Err("its lossless JPEG has a restart interval that ends within a row"),
+    }
+}
+
+fn scan(
+    header: &Header,
+    part: &[u8],
+    codes: &[Option<Codes>; 4],
+    bytes: &[u8],
+    restart: Option<usize>,
+) -> Result<Vec<u16>, Reason> {
     let &Header { precision, rows, columns, components } = header;
     let chosen = part.get(1..1 + 2 * components).ok_or(DAMAGED)?;
     let table = |component: &[u8]| codes.get(usize::from(component[1] >> 4))?.as_ref();
@@ -171,12 +199,16 @@ fn scan(header: &Header, part: &[u8], codes: &[Option<Codes>; 4], bytes: &[u8]) 
     let mut bits = Bits { bytes, at: 0, held: 0, count: 0, missing: 0 };
     let mut samples = vec![0u16; rows * width];
     for row in 0..rows {
+        let is_first = restart.map_or(row == 0, |rows| row.is_multiple_of(rows));
+        if is_first && row > 0 {
+            bits.restart()?;
+        }
         let (before, rest) = samples.split_at_mut(row * width);
         let above = &before[row.saturating_sub(1) * width..];
         let own = &mut rest[..width];
         for at in 0..width {
             let left = at.checked_sub(components).map(|at| i32::from(own[at]));
-            let up = above.get(at).map(|v| i32::from(*v));
+            let up = above.get(at).filter(|_| !is_first).map(|v| i32::from(*v));
             let prediction = match (left, up) {
                 (None, None) => 1 << (precision - shift - 1),
                 (Some(left), None) => left,

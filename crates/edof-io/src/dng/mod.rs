@@ -29,7 +29,7 @@ use crate::finish::Finish;
 use crate::levels::Black;
 use crate::rendering::{ColourMatrix, Rendering, WhiteBalance};
 use directory::{Directory, Tiff};
-use edof_image::words::number;
+use edof_image::words::{self, number};
 use edof_image::{CfaPhase, Channel, RawFrame};
 use frame_directory::{Chosen, choose};
 use ndarray::{Array2, s};
@@ -103,6 +103,7 @@ fn read(bytes: &[u8], overrides: &Overrides) -> Result<Dng, Refusal> {
     let frame = RawFrame::from_values(words.slice(s![..rows, ..columns]).to_owned(), 16, phase)
         .map_err(|e| Refusal::Damaged(e.to_string()))?;
     let rendering = colour::rendering(&colour::Described([first, raw]), overrides)?;
+    notes.extend(replaced(raw, first, overrides));
     notes.extend(left_out(raw, first)?);
     Ok(Dng { frame, rendering, finish, notes })
 }
@@ -153,16 +154,48 @@ fn phase_of_file(raw: &Directory<'_>, size: &[usize]) -> Result<CfaPhase, Refusa
     let missing =
         || Refusal::Missing { tag: tags::CFA, what: "so the colour filters are unknown; state the phase" };
     let pattern = raw.wholes(tags::CFA)?.ok_or_else(missing)?;
-    let colours = raw.wholes(tags::CFA_COLOURS)?.unwrap_or_else(|| vec![0, 1, 2]);
+    if let Some(colours) = raw.numbers(tags::CFA_COLOURS)?.filter(|colours| colours != &[0.0, 1.0, 2.0]) {
+        let expected = "0, 1, 2 (red, green, blue)";
+        return Err(Refusal::value(tags::CFA_COLOURS, words::numbers(&colours), expected));
+    }
     let fits = |phase: &CfaPhase| {
         let colour = |channel: Channel| [0, 1, 2][channel.plane()];
         let expected: Vec<usize> = (0..4).map(|cell| colour(phase.channel(cell / 2, cell % 2))).collect();
-        size == [2, 2] && colours == [0, 1, 2] && pattern == expected
+        size == [2, 2] && pattern == expected
     };
     CfaPhase::ALL.into_iter().find(fits).ok_or_else(|| {
         let [rows, columns] = [0, 1].map(|side| size.get(side).copied().unwrap_or(0));
-        Refusal::Mosaic(format!("a {rows}x{columns} mosaic {pattern:?} of colours {colours:?}"))
+        Refusal::Mosaic(format!("a {rows}x{columns} mosaic {pattern:?}"))
     })
+}
+
+/// What the file states otherwise than the user.
+fn replaced(raw: &Directory<'_>, first: &Directory<'_>, overrides: &Overrides) -> Vec<String> {
+    let stated = |tag: tags::Tag| {
+        let of = if first.has(tag) { first } else { raw };
+        of.numbers(tag).ok().flatten()
+    };
+    let mut notes = vec![];
+    let mut note = |tag: tags::Tag, used: String, is_same: &dyn Fn(&[f64]) -> bool| {
+        if let Some(found) = stated(tag).filter(|found| !is_same(found)) {
+            notes.push(format!("{tag} states {}; {used} is used as stated", words::numbers(&found)));
+        }
+    };
+    if let Some(black) = overrides.black {
+        note(tags::BLACK_LEVEL, black.to_string(), &|found| found.iter().all(|v| black.values() == [*v; 4]));
+    }
+    if let Some(white) = overrides.white {
+        note(tags::WHITE_LEVEL, number(white), &|found| found.first() == Some(&white));
+    }
+    if let Some(balance) = overrides.white_balance.map(<[f64; 3]>::from) {
+        let is_same = |found: &[f64]| {
+            let products: Vec<f64> = found.iter().zip(balance).map(|(share, gain)| share * gain).collect();
+            products.iter().all(|product| (product / products[0] - 1.0).abs() < 1e-3)
+        };
+        let used = format!("a white balance of {}", words::numbers(&balance));
+        note(tags::NEUTRAL, used, &is_same);
+    }
+    notes
 }
 
 /// What the file asks for beyond the sensor's light and its colours.
@@ -180,8 +213,12 @@ fn left_out(raw: &Directory<'_>, first: &Directory<'_>) -> Result<Vec<String>, R
     }
     let look = [
         tags::HUE_SAT_DIMS,
+        tags::HUE_SAT_1,
+        tags::HUE_SAT_2,
+        tags::HUE_SAT_3,
         tags::TONE_CURVE,
         tags::LOOK_DIMS,
+        tags::LOOK_TABLE,
         tags::GAIN_TABLE_MAP,
         tags::GAIN_TABLE_MAP_2,
         tags::RGB_TABLES,

@@ -53,23 +53,47 @@ struct Parts {
 }
 
 fn parts(raw: &Directory<'_>, (height, width): (usize, usize)) -> Result<Parts, Refusal> {
-    let needed = |tag| move || Refusal::Missing { tag, what: "so its pixels are nowhere" };
-    let wholes = |tag| raw.wholes(tag)?.ok_or_else(needed(tag));
-    if raw.has(tags::TILE_OFFSETS) {
-        let side = |tag| raw.whole(tag)?.ok_or_else(needed(tag));
-        return Ok(Parts {
-            size: (side(tags::TILE_HEIGHT)?, side(tags::TILE_WIDTH)?),
-            is_tiled: true,
-            offsets: wholes(tags::TILE_OFFSETS)?,
-            bytes: wholes(tags::TILE_BYTES)?,
-        });
+    let is_tiled = raw.has(tags::TILE_OFFSETS);
+    let size = if is_tiled {
+        (part_side(raw, tags::TILE_HEIGHT)?, part_side(raw, tags::TILE_WIDTH)?)
+    } else if raw.has(tags::STRIP_ROWS) {
+        // One strip may state any large number.
+        let rows = raw.whole(tags::STRIP_ROWS)?.map_or(0, |rows| rows.min(height));
+        if rows == 0 {
+            return Err(Refusal::wrong(tags::STRIP_ROWS, &[0.0], "rows of a strip, 1 or more"));
+        }
+        (rows, width)
+    } else {
+        (height, width)
+    };
+    let count = height.div_ceil(size.0) * width.div_ceil(size.1);
+    let each = |tag| {
+        let all = raw.wholes(tag)?.ok_or(Refusal::Missing { tag, what: NOWHERE })?;
+        if all.len() == count {
+            return Ok(all);
+        }
+        let found: Vec<f64> = all.iter().map(|v| *v as f64).collect();
+        let parts = if is_tiled { "tiles" } else { "strips" };
+        Err(Refusal::wrong(tag, &found, format!("{count} numbers, for a frame of {count} {parts}")))
+    };
+    let [offsets, bytes] = if is_tiled {
+        [tags::TILE_OFFSETS, tags::TILE_BYTES]
+    } else {
+        [tags::STRIP_OFFSETS, tags::STRIP_BYTES]
+    };
+    Ok(Parts { size, is_tiled, offsets: each(offsets)?, bytes: each(bytes)? })
+}
+
+/// What a file without the tags of its parts lacks.
+const NOWHERE: &str = "so the pixels are nowhere";
+
+/// A side of a tile.
+fn part_side(raw: &Directory<'_>, tag: tags::Tag) -> Result<usize, Refusal> {
+    match raw.whole(tag)? {
+        Some(side) if (1..=LONGEST).contains(&side) => Ok(side),
+        Some(side) => Err(Refusal::wrong(tag, &[side as f64], format!("1 to {LONGEST} pixels"))),
+        None => Err(Refusal::Missing { tag, what: NOWHERE }),
     }
-    Ok(Parts {
-        size: (raw.whole(tags::STRIP_ROWS)?.unwrap_or(height).min(height), width),
-        is_tiled: false,
-        offsets: wholes(tags::STRIP_OFFSETS)?,
-        bytes: wholes(tags::STRIP_BYTES)?,
-    })
 }
 
 fn side(raw: &Directory<'_>, tag: tags::Tag) -> Result<usize, Refusal> {
@@ -97,13 +121,7 @@ pub fn stored(raw: &Directory<'_>) -> Result<(Array2<f32>, Sample), Refusal> {
     };
     let parts = parts(raw, size)?;
     let (rows, columns) = parts.size;
-    if !(1..=LONGEST).contains(&rows) || !(1..=LONGEST).contains(&columns) {
-        return Err(Refusal::Damaged("its tiles or strips have an impossible size".to_owned()));
-    }
-    let (across, down) = (width.div_ceil(columns), height.div_ceil(rows));
-    if parts.offsets.len() != across * down || parts.bytes.len() != across * down {
-        return Err(Refusal::Damaged("it has not as many tiles or strips as its size needs".to_owned()));
-    }
+    let across = width.div_ceil(columns);
     // Before memory is reserved: a pixel takes a bit at least, of the parts and of the file, in which parts may overlap.
     let held = parts.bytes.iter().fold(0usize, |sum, bytes| sum.saturating_add(*bytes));
     if held.min(raw.tiff().length()) < height * width / 8 {

@@ -73,12 +73,15 @@ tags! {
     CALIBRATION_SIGNATURE = 50931 "CameraCalibrationSignature";
     PROFILE_SIGNATURE = 50932 "ProfileCalibrationSignature";
     HUE_SAT_DIMS = 50937 "ProfileHueSatMapDims";
+    HUE_SAT_1 = 50938 "ProfileHueSatMapData1";
+    HUE_SAT_2 = 50939 "ProfileHueSatMapData2";
     TONE_CURVE = 50940 "ProfileToneCurve";
     FORWARD_MATRIX_1 = 50964 "ForwardMatrix1";
     FORWARD_MATRIX_2 = 50965 "ForwardMatrix2";
     SUB_TILE_BLOCK = 50974 "SubTileBlockSize";
     ROW_INTERLEAVE = 50975 "RowInterleaveFactor";
     LOOK_DIMS = 50981 "ProfileLookTableDims";
+    LOOK_TABLE = 50982 "ProfileLookTableData";
     OPCODES_1 = 51008 "OpcodeList1";
     OPCODES_2 = 51009 "OpcodeList2";
     OPCODES_3 = 51022 "OpcodeList3";
@@ -92,6 +95,7 @@ tags! {
     ILLUMINANT_DATA_1 = 52533 "IlluminantData1";
     ILLUMINANT_DATA_2 = 52534 "IlluminantData2";
     ILLUMINANT_DATA_3 = 52535 "IlluminantData3";
+    HUE_SAT_3 = 52537 "ProfileHueSatMapData3";
     RGB_TABLES = 52543 "RGBTables";
     GAIN_TABLE_MAP_2 = 52544 "ProfileGainTableMap2";
     COLUMN_INTERLEAVE = 52547 "ColumnInterleaveFactor";

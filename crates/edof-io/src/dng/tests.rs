@@ -317,7 +317,12 @@ fn stated_values_take_the_place_of_damaged_ones() {
     let Dng { frame, rendering, notes, .. } = decode(&bytes, Path::new("shot.dng"), &overrides).unwrap();
     assert_eq!((frame.values(), frame.phase()), (light(&values(), 64.0, 4095.0), CfaPhase::Gbrg));
     assert_eq!(rendering.white_balance, white_balance);
-    assert_eq!(notes, ["CFAPattern (33422) states rggb; gbrg is used as stated"]);
+    assert_eq!(notes[0], "CFAPattern (33422) states rggb; gbrg is used as stated");
+    assert_eq!(notes[1], "BlackLevel (50714) states 1, 2, 3; 64 is used as stated");
+    assert_eq!(
+        notes[2..],
+        ["AsShotNeutral (50728) states 0, 0, 0; a white balance of 2, 1, 1.5 is used as stated"]
+    );
 }
 
 #[test]

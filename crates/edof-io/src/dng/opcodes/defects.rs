@@ -55,8 +55,8 @@ impl Defects {
     fn mask(&self, mosaic: &Array2<f32>, units: Units) -> Array2<bool> {
         match &self.marks {
             Marks::Constant(constant) => {
-                let value = (f64::from(*constant) * units.delta) as f32;
-                mosaic.mapv(|v| v == value)
+                let of_full = if units.is_whole { 1.0 } else { 65535.0 / units.full };
+                mosaic.mapv(|v| (f64::from(v) * of_full).round() == f64::from(*constant))
             }
             Marks::Listed { points, rectangles } => {
                 let (height, width) = mosaic.dim();
@@ -97,7 +97,7 @@ impl Defects {
                 Some(((row, column), nearest(mosaic, &mask, (row, column), rings)?))
             })
             .collect();
-        repaired.into_iter().for_each(|(at, value)| mosaic[at] = value);
+        repaired.into_iter().for_each(|(at, value)| mosaic[at] = units.kept(value));
     }
 }
 
@@ -119,14 +119,14 @@ fn nearest(
     mask: &Array2<bool>,
     (row, column): (usize, usize),
     rings: &[Vec<(isize, isize)>],
-) -> Option<f32> {
+) -> Option<f64> {
     rings.iter().find_map(|ring| {
         let good = ring.iter().filter_map(|&(dr, dc)| {
             let at = (row.checked_add_signed(dr)?, column.checked_add_signed(dc)?);
             (!*mask.get(at)?).then(|| f64::from(mosaic[at]))
         });
         let (count, sum) = good.fold((0, 0.0), |(count, sum), value| (count + 1, sum + value));
-        (count > 0).then(|| (sum / f64::from(count)) as f32)
+        (count > 0).then(|| sum / f64::from(count))
     })
 }
 
@@ -134,7 +134,7 @@ fn nearest(
 mod tests {
     use super::*;
 
-    const UNITS: Units = Units { full: 65535.0, delta: 1.0 };
+    const UNITS: Units = Units { full: 65535.0, delta: 1.0, is_whole: true };
 
     /// Red 100, greens 200, blue 300, and a slope down the rows.
     fn mosaic() -> Array2<f32> {

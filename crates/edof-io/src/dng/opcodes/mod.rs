@@ -54,6 +54,8 @@ struct Units {
     full: f64,
     /// A difference of one.
     delta: f64,
+    /// Whether values are whole numbers, as in a list before a LinearizationTable.
+    is_whole: bool,
 }
 
 impl Units {
@@ -61,11 +63,17 @@ impl Units {
     const fn of(list: List, sample: Sample) -> Self {
         let word = 65535.0;
         match (list, sample) {
-            (_, Sample::Float(_)) => Self { full: 1.0, delta: 1.0 },
-            (List::Stored, Sample::Whole(..=16)) => Self { full: word, delta: 1.0 },
-            (List::Stored, Sample::Whole(_)) => Self { full: 4_294_967_295.0, delta: 1.0 },
-            (_, Sample::Whole(_)) => Self { full: 1.0, delta: 1.0 / word },
+            (_, Sample::Float(_)) => Self { full: 1.0, delta: 1.0, is_whole: false },
+            (List::Stored, Sample::Whole(..=16)) => Self { full: word, delta: 1.0, is_whole: true },
+            (List::Stored, Sample::Whole(_)) => Self { full: 4_294_967_295.0, delta: 1.0, is_whole: true },
+            (_, Sample::Whole(_)) => Self { full: 1.0, delta: 1.0 / word, is_whole: false },
         }
+    }
+
+    /// A result as the image holds it.
+    fn kept(self, value: f64) -> f32 {
+        let value = value.clamp(0.0, self.full);
+        (if self.is_whole { value.round() } else { value }) as f32
     }
 }
 

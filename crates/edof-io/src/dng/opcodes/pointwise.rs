@@ -85,7 +85,7 @@ impl Area {
     fn map(
         &self,
         planes: &mut [ArrayViewMut2<'_, f32>],
-        of: impl Fn(usize, [usize; 2], [usize; 2], f64) -> f64,
+        of: impl Fn(usize, [usize; 2], [usize; 2], f64) -> f32,
     ) {
         let chosen = planes.iter_mut().enumerate().skip(self.first_plane).take(self.planes);
         for (plane, image) in chosen {
@@ -93,7 +93,7 @@ impl Area {
             for (i, row) in (self.top..self.bottom.min(height)).step_by(self.row_pitch).enumerate() {
                 for (j, column) in (self.left..self.right.min(width)).step_by(self.column_pitch).enumerate() {
                     let value = &mut image[(row, column)];
-                    *value = of(plane, [i, j], [row, column], f64::from(*value)) as f32;
+                    *value = of(plane, [i, j], [row, column], f64::from(*value));
                 }
             }
         }
@@ -176,7 +176,7 @@ impl Pointwise {
                 Change::Delta(lines) => value + lines.at(i, j) * units.delta,
                 Change::Scale(lines) => value * lines.at(i, j),
             };
-            changed.clamp(0.0, units.full)
+            units.kept(changed)
         });
     }
 }
