@@ -55,7 +55,7 @@ mutants-6       scripts/mutants.sh --draw 100 --seed 2023 --core
 mutants-golden  scripts/rust-mutants.sh edof-golden 200
 mutants-quantize scripts/rust-mutants.sh edof-quantize 200
 fuzz-1          scripts/fuzz.sh 5 design camera pnm picture
-fuzz-2          scripts/fuzz.sh 5 dng raw arrays bank
+fuzz-2          scripts/fuzz.sh 5 dng tags raw arrays bank
 fuzz-3          scripts/fuzz.sh 5 record weights replies scene
 fuzz-4          scripts/fuzz.sh 5 dictionary rows
 serial-line     tests circuits host::

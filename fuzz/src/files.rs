@@ -4,6 +4,7 @@ use edof_camera::Camera;
 use edof_camera::psf_bank::Kernels;
 use edof_device::Design;
 use edof_image::CfaPhase;
+use edof_io::dng::Overrides;
 use edof_io::packing::{ByteOrder, Packing};
 use edof_io::raw::{Alignment, RawOptions, Size};
 use edof_methods::dictionary::Dictionary;
@@ -76,7 +77,7 @@ pub fn bank(bytes: &[u8]) {
 
 /// DNG.
 pub fn dng(bytes: &[u8]) {
-    let _ = edof_io::dng::decode(bytes, Path::new("shot.dng"));
+    let _ = edof_io::dng::decode(bytes, Path::new("shot.dng"), &Overrides::default());
 }
 
 /// PNG, TIFF, JPEG, BMP, WebP, PGM and PPM as photographs, and as grey pictures: mattes, depth maps, heights of a mask.
@@ -110,7 +111,7 @@ pub fn raw(bytes: &[u8]) {
         order: if kind & 64 != 0 { ByteOrder::Big } else { ByteOrder::Little },
         packing: Packing::ALL[usize::from(packing) % Packing::ALL.len()],
     };
-    let _ = edof_io::raw::open(&file("frame", bytes), &options);
+    let _ = edof_io::raw::open(&file("frame", bytes), &options, &Overrides::default());
 }
 
 /// Scenes of layers.

@@ -5,6 +5,7 @@
 
 #![no_main]
 
+mod dngs;
 mod files;
 mod oracle;
 mod replies;
@@ -37,6 +38,7 @@ const TARGETS: &[Target] = &[
     Target { name: "arrays", most_bytes: OF_FILE, run: files::arrays, seeds: seeds::arrays },
     Target { name: "bank", most_bytes: OF_FILE, run: files::bank, seeds: seeds::banks },
     Target { name: "dng", most_bytes: OF_FILE, run: files::dng, seeds: seeds::dngs },
+    Target { name: "tags", most_bytes: OF_FILE, run: dngs::run, seeds: dngs::seeds },
     Target { name: "picture", most_bytes: OF_PICTURE, run: files::picture, seeds: seeds::pictures },
     Target { name: "raw", most_bytes: OF_PICTURE, run: files::raw, seeds: seeds::raws },
     Target { name: "pnm", most_bytes: OF_FILE, run: files::pnm, seeds: seeds::pnms },

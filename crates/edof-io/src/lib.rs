@@ -46,3 +46,4 @@ pub mod read_warnings;
 pub mod record;
 pub mod rendering;
 pub mod samples;
+mod tiff;

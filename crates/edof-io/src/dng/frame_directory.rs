@@ -35,9 +35,6 @@ pub struct Chosen<'a, 'd> {
 pub fn choose<'a, 'd>(all: &'d Directories<'a>) -> Result<Chosen<'a, 'd>, Refusal> {
     let cut = || Refusal::Cut("its directories do".to_owned());
     let Some(first) = all.found.first() else { return Err(cut()) };
-    if let Some(lost) = &all.lost {
-        return Err(lost.clone());
-    }
     check_version(first)?;
     let (mut mosaics, mut reduced, mut linear) = (vec![], false, false);
     for directory in &all.found {

@@ -28,7 +28,8 @@ use crate::camera_raw::CameraRawError;
 use crate::finish::Finish;
 use crate::levels::Black;
 use crate::rendering::{ColourMatrix, Rendering, WhiteBalance};
-use directory::{Directory, Tiff};
+use crate::tiff::directory::File;
+use directory::{Directories, Directory};
 use edof_image::words::{self, number};
 use edof_image::{CfaPhase, Channel, RawFrame};
 use frame_directory::{Chosen, choose};
@@ -69,14 +70,13 @@ pub struct Overrides {
 /// Whether a file begins like a TIFF or BigTIFF, as a DNG does.
 #[must_use]
 pub fn is_tiff(head: &[u8]) -> bool {
-    Tiff::new(head).is_some()
+    File::new(head).is_some()
 }
 
 /// Whether a file is a DNG: a TIFF or BigTIFF whose first directory has a DNGVersion.
 #[must_use]
 pub fn is_dng(bytes: &[u8]) -> bool {
-    let directories = Tiff::new(bytes).map(Tiff::directories);
-    directories.and_then(|all| all.found.into_iter().next()).is_some_and(|first| first.has(tags::VERSION))
+    File::new(bytes).and_then(File::first).is_some_and(|first| first.has(tags::VERSION.0))
 }
 
 /// Reads a DNG in memory; `path` names it in errors.
@@ -88,9 +88,9 @@ pub fn decode(bytes: &[u8], path: &Path, overrides: &Overrides) -> Result<Dng, C
 }
 
 fn read(bytes: &[u8], overrides: &Overrides) -> Result<Dng, Refusal> {
-    let tiff = Tiff::new(bytes)
+    let file = File::new(bytes)
         .ok_or_else(|| Refusal::Damaged("the file does not begin like a TIFF or a DNG".to_owned()))?;
-    let directories = tiff.directories();
+    let directories = Directories::of(file)?;
     let Chosen { raw, first, frames } = choose(&directories)?;
     let mut notes = vec![];
     if frames > 1 {

@@ -124,7 +124,7 @@ pub fn stored(raw: &Directory<'_>) -> Result<(Array2<f32>, Sample), Refusal> {
     let across = width.div_ceil(columns);
     // Before memory is reserved: a pixel takes a bit at least, of the parts and of the file, in which parts may overlap.
     let held = parts.bytes.iter().fold(0usize, |sum, bytes| sum.saturating_add(*bytes));
-    if held.min(raw.tiff().length()) < height * width / 8 {
+    if held.min(raw.file().bytes().len()) < height * width / 8 {
         return Err(no_pixels());
     }
     let mut all = Array2::zeros(size);
@@ -132,11 +132,11 @@ pub fn stored(raw: &Directory<'_>) -> Result<(Array2<f32>, Sample), Refusal> {
         let (top, left) = (index / across * rows, index % across * columns);
         // The last strip is as long as there are rows; all tiles have one size.
         let part = (if parts.is_tiled { rows } else { rows.min(height - top) }, columns);
-        let bytes = raw.tiff().part(at as u64, length as u64).ok_or_else(no_pixels)?;
+        let bytes = raw.file().part(at as u64, length as u64).ok_or_else(no_pixels)?;
         let values = if is_lossless {
             lossless(bytes, part)?
         } else {
-            plain(bytes, part, sample, raw.tiff().is_big_endian())?
+            plain(bytes, part, sample, raw.file().is_big_endian())?
         };
         let (kept_rows, kept_columns) = (part.0.min(height - top), columns.min(width - left));
         all.slice_mut(s![top..top + kept_rows, left..left + kept_columns])

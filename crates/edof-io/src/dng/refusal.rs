@@ -10,7 +10,7 @@ use std::path::Path;
 const REMEDY: &str = "convert it to a DNG without this, or to a 16-bit PNG, TIFF or PGM of its mosaic";
 
 /// Why a file cannot be used.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub enum Refusal {
     /// A tag has a value with which the picture would be another one.
     Value { tag: Tag, found: String, expected: String },

@@ -20,8 +20,9 @@ use std::path::PathBuf;
 ///
 /// RAW is a 16-bit grey PNG, TIFF or PGM (values of fewer bits at the top of each word, or according to a PGM's maximum), or a
 /// headerless file with --size. RAW.json, which 'edof capture' writes, states how the frame was taken; options that
-/// contradict it are rejected. RAW may also be a camera's DNG (a Bayer mosaic, uncompressed or as lossless JPEG) with its levels, white
-/// balance and colour matrix; with the optional feature camera-raw also files of other makers. The network runs in the
+/// contradict it are rejected. RAW may also be a camera's DNG (a Bayer mosaic, uncompressed or as lossless JPEG): its levels, defects, lens
+/// corrections, white balance, colours, crop and orientation are applied, and options take the place of its tags (docs/dng.md). With the
+/// optional feature camera-raw RAW may be a file of another maker. The network runs in the
 /// board's integers unless --float is given.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
@@ -70,7 +71,7 @@ pub struct Args {
     #[arg(long)]
     pub(super) stride: Option<usize>,
 
-    /// Colour filter of the frame's first 2x2 pixels: rggb, grbg, gbrg or bggr [default: that of RAW.json, else rggb]
+    /// Colour filter of the frame's first 2x2 pixels: rggb, grbg, gbrg or bggr [default: that of RAW.json or a DNG, else rggb]
     #[arg(long)]
     pub(super) phase: Option<CfaPhase>,
 
