@@ -138,7 +138,7 @@ def stores():
     yield Case("plain-odd-strips", (*base, 273, 278, 279), shot(34, 50, strip=5))
     for bits in (8, 10, 12, 13, 14, 16, 20, 24, 32):
         for order in "<>":
-            yield Case(f"bits-{bits}-{'little' if order == '<' else 'big'}", (258, 339), shot(34, 50, bits, strip=7, SampleFormat=1), order=order,
+            yield Case(f"bits-{bits}-{'little' if order == '<' else 'big'}", (258, 339), shot(34, 50, bits, strip=8, SampleFormat=1), order=order,
                        libraw=bits <= 16)
     for bits in (16, 24, 32):
         for order in "<>":
@@ -154,12 +154,13 @@ def stores():
     yield Case("bigtiff-tiles-subifd", (330,), main, [with_sub(main)],
                big=True, libraw=False)
     for predictor in range(1, 8):
-        yield Case(f"jpeg-predictor-{predictor}", (259,), shot(bits=14, compression=7, jpeg={"predictor": predictor}, strip=11))
+        yield Case(f"jpeg-predictor-{predictor}", (259,), shot(bits=14, compression=7, jpeg={"predictor": predictor}))
+    yield Case("jpeg-strips", (259, 278), shot(bits=14, compression=7, strip=11), libraw=False)
     yield Case("jpeg-one-component", (259,), shot(bits=12, compression=7, jpeg={"components": 1}))
     yield Case("jpeg-16", (259,), shot(bits=16, compression=7))
     yield Case("jpeg-8", (259,), shot(bits=8, compression=7))
     yield Case("jpeg-tiles", (259, 322), shot(34, 50, 14, compression=7, tile=(16, 16)))
-    yield Case("jpeg-restarts", (259,), shot(bits=12, compression=7, jpeg={"restart": 24}), libraw=False)
+    yield Case("jpeg-restarts", (259,), shot(bits=12, compression=7, jpeg={"restart": 24}))
     yield Case("extremes", (258,), shot(light=np.random.default_rng(5).choice([0.0, 1.0, 0.5], (HEIGHT, WIDTH))), tolerance=0.004)
     yield Case("short-types", (256, 257, 273), shot(tags={"ImageWidth": ("as", (SHORT, [WIDTH])), "ImageLength": ("as", (SHORT, [HEIGHT]))}))
     yield Case("rows-default", (278,), shot(without=("RowsPerStrip",)))
@@ -206,7 +207,7 @@ def levels():
         "white-low": dict(bits=12, WhiteLevel=3000),
         "white-default": dict(bits=12, low=100, BlackLevel=100),
     }.items():
-        yield Case(name, tuple(TAGS[n][0] for n in given if n in TAGS), shot(**given), libraw=name != "black-fraction")
+        yield Case(name, tuple(TAGS[n][0] for n in given if n in TAGS), shot(**given), libraw=True)
     columns, rows = 256 * np.sin(np.arange(WIDTH)), np.linspace(0, 700, HEIGHT)
     for name, given in {"delta-h": dict(BlackLevelDeltaH=columns), "delta-v": dict(BlackLevelDeltaV=rows),
                         "deltas": dict(BlackLevelDeltaH=columns, BlackLevelDeltaV=rows, BlackLevelRepeatDim=[2, 2], BlackLevel=[900, 950, 1000, 1100])}.items():
@@ -494,7 +495,7 @@ def options():
         yield from told(f"balance-{name}", meant, balance, **given)
     meant = shot(light=light, BlackLevel=1000)
     for name, given in {"present": {"BlackLevel": 77}, "deltas": {"BlackLevelDeltaV": np.arange(HEIGHT) * 20, "BlackLevelDeltaH": np.arange(WIDTH) * 20},
-                        "repeat": {"BlackLevelRepeatDim": [3, 1], "BlackLevel": [1, 2, 3]}, "zero": {"BlackLevel": (0, 0)},
+                        "repeat": {"BlackLevelRepeatDim": [3, 1], "BlackLevel": [1, 2, 3]}, "zero": {"BlackLevel": [(0, 0)]},
                         "deltas-count": {"BlackLevelDeltaV": [1, 2, 3]}}.items():
         yield from told(f"black-{name}", meant, ["--black-level", "1000"], **given)
     cells = shot(light=light, BlackLevelRepeatDim=[2, 2], BlackLevel=[1000, 1100, 1200, 1300])
@@ -600,26 +601,26 @@ def rejected():
         add(f"format-{value}", 339, ["SampleFormat", str(value)], base(SampleFormat=value))
     add("float-12", 258, ["BitsPerSample"], base(bits=12, SampleFormat=3))
     add("linear", 262, ["three colours"], base(tags={"PhotometricInterpretation": 34892}))
-    add("no-mosaic", 262, ["PhotometricInterpretation"], dng([preview(NewSubFileType=0)]))
+    add("no-mosaic", 262, ["colour filter array"], dng([preview(NewSubFileType=0)]))
     add("only-reduced", 254, ["NewSubFileType"], base(NewSubFileType=1))
     add("four-colours", 33422, ["mosaic"], base(tags={"CFAPattern": [0, 1, 2, 3], "CFAPlaneColor": [0, 1, 2, 3]}))
     add("x-trans", 33421, ["6x6"], base(tags={"CFARepeatPatternDim": [6, 6], "CFAPattern": [1, 1, 0, 1, 1, 2] * 6}))
-    add("no-pattern", 33422, ["CFAPattern", "--phase"], base(without=("CFAPattern",)))
+    add("no-pattern", 33422, ["CFAPattern", "phase"], base(without=("CFAPattern",)))
     add("new-version", 50707, ["DNGBackwardVersion", "1.8"], base(tags={"DNGBackwardVersion": [1, 8, 0, 0]}))
     add("white-below-black", 50717, ["level"], base(BlackLevel=5000, WhiteLevel=4000))
-    add("white-zero", 50717, ["WhiteLevel"], base(WhiteLevel=0))
+    add("white-zero", 50717, ["white level 0"], base(WhiteLevel=0))
     add("area-outside", 50829, ["ActiveArea"], base(ActiveArea=[0, 0, HEIGHT + 2, WIDTH]))
     add("area-empty", 50829, ["ActiveArea"], base(ActiveArea=[8, 8, 8, 20]))
-    add("crop-outside", 50719, ["DefaultCropOrigin"], base(DefaultCropOrigin=[WIDTH + 4, 0], DefaultCropSize=[4, 4]))
+    add("crop-outside", 50719, ["DefaultCrop"], base(DefaultCropOrigin=[WIDTH + 4, 0], DefaultCropSize=[4, 4]))
     add("crop-empty", 50720, ["DefaultCropSize"], base(DefaultCropOrigin=[4, 4], DefaultCropSize=[0, 4]))
     add("user-crop-turned", 51125, ["DefaultUserCrop"], base(DefaultUserCrop=[0.8, 0.0, 0.2, 1.0]))
     add("orientation-9", 274, ["Orientation"], base(Orientation=9))
-    add("neutral-zero", 50728, ["AsShotNeutral", "--white-balance"], base(AsShotNeutral=[(0, 0)] * 3))
-    add("neutral-zero-one", 50728, ["AsShotNeutral", "--white-balance"], base(AsShotNeutral=[0.5, 0, 0.5]))
+    add("neutral-zero", 50728, ["AsShotNeutral", "white balance"], base(AsShotNeutral=[(0, 0)] * 3))
+    add("neutral-zero-one", 50728, ["AsShotNeutral", "white balance"], base(AsShotNeutral=[0.5, 0, 0.5]))
     add("matrix-singular", 50721, ["ColorMatrix1"], base(ColorMatrix1=[1, 1, 1] * 3))
-    add("black-count", 50714, ["BlackLevel", "--black-level"], base(BlackLevelRepeatDim=[2, 2], BlackLevel=[1, 2, 3]))
+    add("black-count", 50714, ["BlackLevel"], base(BlackLevelRepeatDim=[2, 2], BlackLevel=[1, 2, 3]))
     add("black-repeat-zero", 50713, ["BlackLevelRepeatDim"], base(BlackLevelRepeatDim=[0, 2], BlackLevel=[1]))
-    add("black-fraction-zero", 50714, ["BlackLevel", "--black-level"], base(BlackLevel=(0, 0)))
+    add("black-fraction-zero", 50714, ["BlackLevel"], base(BlackLevel=[(0, 0)]))
     add("delta-h-count", 50715, ["BlackLevelDeltaH"], base(BlackLevelDeltaH=[1, 2, 3]))
     add("delta-v-count", 50716, ["BlackLevelDeltaV"], base(BlackLevelDeltaV=[1] * (HEIGHT + 1)))
     add("table-empty", 50712, ["LinearizationTable"], base(tags={"LinearizationTable": ("as", (SHORT, []))}))
@@ -628,7 +629,7 @@ def rejected():
     add("strip-few", 273, ["StripOffsets"], base(strip=8, tags={"StripOffsets": [8]}))
     add("width-zero", 256, ["ImageWidth"], base(tags={"ImageWidth": 0}))
     add("size-huge", 257, ["ImageLength"], base(tags={"ImageLength": 2**31}))
-    add("no-offsets", 273, ["StripOffsets"], base(without=("StripOffsets",)))
+    add("no-offsets", 273, ["StripOffsets"], base(without=("StripOffsets",)), help=False)
     add("jpeg-garbage", 259, ["JPEG"], dng([shot(compression=7, bits=14)]).replace(b"\xff\xd8\xff\xc3", b"\xff\xd8\xff\xc0"), help=False)
     # Directories without an end.
     add("loop", 330, [], loop(), help=False)
@@ -738,7 +739,7 @@ def noted():
                                 ("ProfileGainTableMap2", 52544, (UNDEFINED, gain_table)), ("RGBTables", 52543, (UNDEFINED, bytes(64)))]:
         add(name, number, [name], tags={number: value})
         add(f"{name}-absent", number, [name], False)
-    add("MaskedAreas", 50830, ["MaskedAreas", "--black-level"], ActiveArea=[0, 8, 32, 48], MaskedAreas=[0, 0, 32, 8])
+    add("MaskedAreas", 50830, ["MaskedAreas", "black"], ActiveArea=[0, 8, 32, 48], MaskedAreas=[0, 0, 32, 8])
     add("MaskedAreas-with-black", 50830, ["MaskedAreas"], False, ActiveArea=[0, 8, 32, 48], MaskedAreas=[0, 0, 32, 8], BlackLevel=100)
     add("BaselineExposure-zero", 50730, ["BaselineExposure"], False, BaselineExposure=0)
     add("optional-opcode", 51009, ["OpcodeList2", "99"], OpcodeList2=as_list(opcode(99, b"1234", optional=True)))
@@ -788,7 +789,7 @@ def random(seed):
     table = not floating and bits <= 14 and chance(0.3)
     if table:
         length = int(draw.integers(1 << bits - 1, 1 << bits))
-        values = np.rint(65535 * np.linspace(0, 1, length) ** draw.uniform(0.8, 2))
+        values = np.rint(65535 * np.linspace(0, 1, length) ** draw.uniform(0.7, 1.2))
         tags["LinearizationTable"] = values
         low, high, full = 0.02 * 65535, 60000.0, 65535.0
     if low or table:
@@ -830,7 +831,8 @@ def random(seed):
     if chance(0.4):
         stored_colours["Orientation"] = int(draw.integers(1, 9))
     size, part = (rows & ~1, columns & ~1), lambda n=1: area(*(int(v) for v in draw.integers(0, 6, 2)), height, width, 0, n, *(int(v) for v in draw.integers(1, 4, 2)))
-    if chance(0.25) and not floating and bits <= 16:
+    # Results of OpcodeList1 are rounded to stored values, whose steps must be small.
+    if chance(0.25) and not floating and 14 <= bits <= 16:
         tags["OpcodeList1"] = as_list(random_opcodes(draw, height, width, 1))
     if chance(0.35):
         tags["OpcodeList2"] = as_list(random_opcodes(draw, rows, columns, 1))
@@ -841,8 +843,9 @@ def random(seed):
         # A tile holds pairs of columns, and so does a strip.
         width_ok = "tile" in how or width % 2 == 0
         how |= dict(compression=7, jpeg={"predictor": int(draw.integers(1, 8)), "components": 2 if width_ok else 1})
-    light = scene(height, width, "rggb", seed) * 0.7
-    stored_high = (high if not table else float((1 << bits) - 1)) if not table else float(length)
+    # Not so dark that the network gives colours below 0, which a PNG cannot hold.
+    light = np.maximum(scene(height, width, phase, seed) * 0.7, 0.1)
+    stored_high = float(length) if table else high
     made = shot(height, width, bits, phase, 0.0 if table else low, stored_high, light, floating, **how, **tags)
     order, big = draw.choice(["<", ">"]), chance(0.2)
     # Clipped light of a strong gain is full, and then rounding differs by a little more.

@@ -78,12 +78,15 @@ def phase(shot):
 
 # Opcodes
 
+NEWEST = 0x01070100
+
 
 def opcodes(data):
     count, at = struct.unpack_from(">I", data)[0], 4
     for _ in range(count):
-        number, _, flags, length = struct.unpack_from(">4I", data, at)
-        yield number, flags, data[at + 16 : at + 16 + length]
+        number, version, flags, length = struct.unpack_from(">4I", data, at)
+        if version <= NEWEST:
+            yield number, flags, data[at + 16 : at + 16 + length]
         at += 16 + length
 
 
@@ -117,7 +120,7 @@ def gains(rest, area, size, plane):
     """Bilinear gains at the centres of pixels; beyond the map its edge."""
     points_v, points_h, space_v, space_h, first_v, first_h, planes = struct.unpack_from(">IIddddI", rest)
     grid = np.frombuffer(rest, ">f4", points_v * points_h * planes, 44).reshape(points_v, points_h, planes)
-    grid = grid[:, :, min(plane - area.plane, planes - 1)].astype(np.float64)
+    grid = grid[:, :, min(plane, planes - 1)].astype(np.float64)
 
     def between(places, length, first, space, points):
         index = np.clip(((places + 0.5) / length - first) / space, 0, points - 1)
