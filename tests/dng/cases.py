@@ -240,8 +240,8 @@ def geometry():
         "user-crop-of-crop": dict(DefaultCropOrigin=[4, 2], DefaultCropSize=[40, 26], DefaultUserCrop=[0.13, 0.22, 0.71, 0.93]),
     }.items():
         yield Case(name, tuple(TAGS[n][0] for n in given), shot(**given))
-    yield Case("crop-beyond", (50720,), clipped(shot(ActiveArea=[0, 0, 31, 47], DefaultCropOrigin=[0, 0], DefaultCropSize=[47, 31])),
-               [shot(ActiveArea=[0, 0, 31, 47], DefaultCropOrigin=[0, 0], DefaultCropSize=[47, 31])])
+    yield Case("crop-beyond", (50720,), shot(ActiveArea=[0, 0, 31, 47], DefaultCropOrigin=[0, 0], DefaultCropSize=[47, 31]))
+    yield Case("user-crop-of-odd-area", (51125,), shot(ActiveArea=[0, 0, 31, 47], DefaultUserCrop=[0.25, 0.3, 0.6, 0.71]))
     for turn in range(1, 9):
         yield Case(f"orientation-{turn}", (274,), shot(Orientation=turn))
     inner = without_dng(shot())
@@ -250,11 +250,6 @@ def geometry():
     yield Case("orientation-both", (274,), both, [with_sub(both, Orientation=8)], colours={"Orientation": 8}, libraw=False)
     yield Case("orientation-of-frame", (274,), both, [with_sub(both)], libraw=False)
     yield Case("orientation-crop", (274, 50719), shot(Orientation=6, DefaultCropOrigin=[5, 3], DefaultCropSize=[31, 21]))
-
-
-def clipped(directory):
-    """The same frame with the crop that the cut area leaves."""
-    return replace(directory, tags=directory.tags | {"DefaultCropSize": [46, 30]})
 
 
 def illuminant(x, y, order="<"):

@@ -339,14 +339,13 @@ def nearest(value):
     return int(np.floor(value + 0.5))
 
 
-def cropped(picture, tags):
-    height, width = picture.shape[:2]
-    left, top = (nearest(v) for v in values(tags, "DefaultCropOrigin", [0, 0]))
-    across, down = (nearest(v) for v in values(tags, "DefaultCropSize", [width - left, height - top]))
-    upper, first, lower, last = values(tags, "DefaultUserCrop", [0, 0, 1, 1])
-    rows = top + nearest(upper * down), top + nearest(lower * down)
-    columns = left + nearest(first * across), left + nearest(last * across)
-    return picture[rows[0] : rows[1], columns[0] : columns[1]]
+def cropped(picture, shot):
+    """The default crop of the active area, then the user's of that; what the cut to whole cells has taken from the area is missing."""
+    top, left, bottom, right = active_area(shot)
+    x, y = (nearest(v) for v in values(shot.tags, "DefaultCropOrigin", [0, 0]))
+    across, down = (nearest(v) for v in values(shot.tags, "DefaultCropSize", [right - left - x, bottom - top - y]))
+    upper, first, lower, last = values(shot.tags, "DefaultUserCrop", [0, 0, 1, 1])
+    return picture[y + nearest(upper * down) : y + nearest(lower * down), x + nearest(first * across) : x + nearest(last * across)]
 
 
 def turned(picture, orientation):
@@ -359,6 +358,6 @@ def turned(picture, orientation):
 def finished(reconstructed, shot, colours=None, order="<"):
     """The picture that a reconstruction of `light` becomes. `colours` are the tags of the first directory, if it is another."""
     colours = shot.tags | (colours or {})
-    picture = cropped(picture_opcodes(reconstructed, shot), shot.tags)
+    picture = cropped(picture_opcodes(reconstructed, shot), shot)
     picture = np.clip(rendered(picture, *rendering(colours, order)), 0, 1)
     return turned(picture, int(values(colours, "Orientation", [1])[0]))
