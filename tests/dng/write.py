@@ -195,8 +195,10 @@ def from_fp24(word):
     return (-1) ** sign * (mantissa / 65536 * 2.0**-62 if exponent == 0 else (1 + mantissa / 65536) * 2.0 ** (exponent - 63))
 
 
-def lossless_jpeg(values, bits, components=2, predictor=1, restart=0):
-    """Lossless Huffman JPEG (ITU-T T.81, process 14). Two components side by side put each colour of a row into one of them."""
+def lossless_jpeg(values, bits, components=2, predictor=1, restart=0, fold=1):
+    """Lossless Huffman JPEG (ITU-T T.81, process 14). Two components side by side put each colour of a row into one of
+    them; `fold` rows of the picture are one of the stream."""
+    values = values.reshape(values.shape[0] // fold, -1)
     height, width = values.shape
     samples = values.astype(np.int64).reshape(height, width // components, components)
     segment = lambda mark, data: struct.pack(">HH", 0xFF00 | mark, len(data) + 2) + data
