@@ -6,8 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 import expected
-from write import (ASCII, BYTE, DOUBLE, FLOAT, IFD, LONG, RATIONAL, SHORT, SLONG, SRATIONAL, TAGS, UNDEFINED, Directory, area, dng, opcode,
-                   opcode_list)
+from write import ASCII, BYTE, DOUBLE, FLOAT, LONG, RATIONAL, SHORT, SLONG, SRATIONAL, TAGS, UNDEFINED, Directory, area, dng, opcode
 
 HEIGHT, WIDTH = 32, 48
 LARGE = 128, 192
@@ -41,7 +40,6 @@ class Case:
     options: list = field(default_factory=list)
     tolerance: float = TOLERANCE
     libraw: bool = True
-    meant: Directory | None = None
 
     def file(self):
         return dng(self.directories or [self.shot], self.order, self.big)
@@ -101,8 +99,13 @@ def shot(height=HEIGHT, width=WIDTH, bits=16, phase="rggb", low=0.0, high=None, 
     light = scene(height, width, phase) if light is None else light
     stored = low + (high - low) * light
     stored = stored.astype(np.float32) if floating else np.rint(stored).astype(np.int64)
-    tags = {"DNGVersion": [1, 4, 0, 0], "DNGBackwardVersion": [1, 1, 0, 0], "UniqueCameraModel": "check", "CFARepeatPatternDim": [2, 2],
-            "CFAPattern": list(expected.PHASES[phase])}
+    tags = {
+        "DNGVersion": [1, 4, 0, 0],
+        "DNGBackwardVersion": [1, 1, 0, 0],
+        "UniqueCameraModel": "check",
+        "CFARepeatPatternDim": [2, 2],
+        "CFAPattern": list(expected.PHASES[phase]),
+    }
     return Directory(stored, bits=bits, tags=tags | given.pop("tags", {}) | given, **fields)
 
 
@@ -140,21 +143,33 @@ def stores():
     yield Case("plain-odd-strips", (*base, 273, 278, 279), shot(34, 50, strip=5))
     for bits in (8, 10, 12, 13, 14, 16, 20, 24, 32):
         for order in "<>":
-            yield Case(f"bits-{bits}-{'little' if order == '<' else 'big'}", (258, 339), shot(34, 50, bits, strip=8, SampleFormat=1), order=order,
-                       libraw=bits <= 16)
+            yield Case(
+                f"bits-{bits}-{'little' if order == '<' else 'big'}",
+                (258, 339),
+                shot(34, 50, bits, strip=8, SampleFormat=1),
+                order=order,
+                libraw=bits <= 16,
+            )
     for bits in (16, 24, 32):
         for order in "<>":
-            yield Case(f"float-{bits}-{'little' if order == '<' else 'big'}", (258, 339), shot(bits=bits, floating=True, strip=9), order=order,
-                       libraw=False)
-        yield Case(f"float-{bits}-levels", (339, 50714, 50717),
-                   shot(bits=bits, floating=True, low=0.125, high=3.5, BlackLevel=0.125, WhiteLevel=("as", (RATIONAL, [3.5])), tile=(16, 16)),
-                   libraw=False)
+            yield Case(
+                f"float-{bits}-{'little' if order == '<' else 'big'}",
+                (258, 339),
+                shot(bits=bits, floating=True, strip=9),
+                order=order,
+                libraw=False,
+            )
+        yield Case(
+            f"float-{bits}-levels",
+            (339, 50714, 50717),
+            shot(bits=bits, floating=True, low=0.125, high=3.5, BlackLevel=0.125, WhiteLevel=("as", (RATIONAL, [3.5])), tile=(16, 16)),
+            libraw=False,
+        )
     for order in "<>":
         yield Case(f"tiles-{'little' if order == '<' else 'big'}", (322, 323, 324, 325), shot(34, 50, 12, tile=(16, 32)), order=order)
         yield Case(f"bigtiff-{'little' if order == '<' else 'big'}", (256,), shot(34, 50, strip=5), order=order, big=True, libraw=False)
     main = without_dng(shot(tile=(16, 16)))
-    yield Case("bigtiff-tiles-subifd", (330,), main, [with_sub(main)],
-               big=True, libraw=False)
+    yield Case("bigtiff-tiles-subifd", (330,), main, [with_sub(main)], big=True, libraw=False)
     for predictor in range(1, 8):
         yield Case(f"jpeg-predictor-{predictor}", (259,), shot(bits=14, compression=7, jpeg={"predictor": predictor}))
     yield Case("jpeg-strips", (259, 278), shot(bits=14, compression=7, strip=11), libraw=False)
@@ -168,7 +183,9 @@ def stores():
     yield Case("jpeg-wide", (259,), shot(bits=14, compression=7, jpeg={"fold": 2}))
     yield Case("jpeg-wide-tiles", (259,), shot(34, 50, 14, compression=7, jpeg={"fold": 2, "components": 4}, tile=(16, 32)))
     yield Case("extremes", (258,), shot(light=np.random.default_rng(5).choice([0.0, 1.0, 0.5], (HEIGHT, WIDTH))), tolerance=0.004)
-    yield Case("short-types", (256, 257, 273), shot(tags={"ImageWidth": ("as", (SHORT, [WIDTH])), "ImageLength": ("as", (SHORT, [HEIGHT]))}))
+    yield Case(
+        "short-types", (256, 257, 273), shot(tags={"ImageWidth": ("as", (SHORT, [WIDTH])), "ImageLength": ("as", (SHORT, [HEIGHT]))})
+    )
     yield Case("rows-default", (278,), shot(without=("RowsPerStrip",)))
 
 
@@ -196,8 +213,16 @@ def frames():
     mask = replace(inner, tags=inner.tags | {"NewSubFileType": 4}, stored=inner.stored // 2)
     yield Case("mask-first", (254,), inner, [with_sub(mask, inner)], libraw=False)
     # Levels and geometry of another directory, and colours of one that is neither the first nor the frame's.
-    other = {"BlackLevel": 9000, "WhiteLevel": 20000, "ActiveArea": [0, 0, 6, 6], "DefaultCropOrigin": [1, 1], "DefaultCropSize": [4, 4],
-             "OpcodeList2": as_list(per_line(12, WHOLE, [0.5] * HEIGHT)), "LinearizationTable": [1, 2, 3], "CFAPattern": [2, 1, 1, 0]}
+    other = {
+        "BlackLevel": 9000,
+        "WhiteLevel": 20000,
+        "ActiveArea": [0, 0, 6, 6],
+        "DefaultCropOrigin": [1, 1],
+        "DefaultCropSize": [4, 4],
+        "OpcodeList2": as_list(per_line(12, WHOLE, [0.5] * HEIGHT)),
+        "LinearizationTable": [1, 2, 3],
+        "CFAPattern": [2, 1, 1, 0],
+    }
     yield Case("levels-of-preview", (50714, 50717, 50829), inner, [with_sub(inner, **other)], libraw=False)
     thumb = without_dng(shot(16, 24, light=scene(16, 24), NewSubFileType=1, ColorMatrix1=WARM, AsShotNeutral=NEUTRAL, Orientation=6))
     yield Case("colours-of-another", (50721, 50728), inner, [with_sub(thumb, inner)], colours={}, libraw=False)
@@ -211,8 +236,12 @@ def levels():
         "black-cell": dict(low=600, high=15000, bits=14, BlackLevelRepeatDim=[2, 2], BlackLevel=[500, 520, 560, 700], WhiteLevel=15000),
         "black-row": dict(low=600, high=15000, bits=14, BlackLevelRepeatDim=[1, 2], BlackLevel=[500, 620], WhiteLevel=15000),
         "black-column": dict(low=600, high=15000, bits=14, BlackLevelRepeatDim=[2, 1], BlackLevel=[500, 620], WhiteLevel=15000),
-        "black-odd-repeat": dict(low=2000, high=60000, BlackLevelRepeatDim=[3, 5], BlackLevel=list(range(1000, 2500, 100)), WhiteLevel=60000),
-        "black-large-repeat": dict(low=2000, high=60000, BlackLevelRepeatDim=[4, 4], BlackLevel=list(range(1000, 2600, 100)), WhiteLevel=60000),
+        "black-odd-repeat": dict(
+            low=2000, high=60000, BlackLevelRepeatDim=[3, 5], BlackLevel=list(range(1000, 2500, 100)), WhiteLevel=60000
+        ),
+        "black-large-repeat": dict(
+            low=2000, high=60000, BlackLevelRepeatDim=[4, 4], BlackLevel=list(range(1000, 2600, 100)), WhiteLevel=60000
+        ),
         "black-fraction": dict(low=512, high=4000, bits=12, BlackLevel=510.5, WhiteLevel=4000),
         "black-short": dict(low=512, high=4000, bits=12, BlackLevel=("as", (SHORT, [512])), WhiteLevel=("as", (SHORT, [4000]))),
         "black-long": dict(low=512, high=4000, bits=12, BlackLevel=("as", (LONG, [512])), WhiteLevel=("as", (LONG, [4000]))),
@@ -222,14 +251,33 @@ def levels():
     }.items():
         yield Case(name, tuple(TAGS[n][0] for n in given if n in TAGS), shot(**given), libraw=True)
     columns, rows = 256 * np.sin(np.arange(WIDTH)), np.linspace(0, 700, HEIGHT)
-    for name, given in {"delta-h": dict(BlackLevelDeltaH=columns), "delta-v": dict(BlackLevelDeltaV=rows),
-                        "deltas": dict(BlackLevelDeltaH=columns, BlackLevelDeltaV=rows, BlackLevelRepeatDim=[2, 2], BlackLevel=[900, 950, 1000, 1100])}.items():
+    for name, given in {
+        "delta-h": dict(BlackLevelDeltaH=columns),
+        "delta-v": dict(BlackLevelDeltaV=rows),
+        "deltas": dict(BlackLevelDeltaH=columns, BlackLevelDeltaV=rows, BlackLevelRepeatDim=[2, 2], BlackLevel=[900, 950, 1000, 1100]),
+    }.items():
         yield Case(name, tuple(TAGS[n][0] for n in given), shot(low=1500, high=60000, WhiteLevel=60000, **given))
-    yield Case("deltas-of-area", (50715, 50716, 50829),
-               shot(36, 54, low=1500, high=60000, BlackLevelDeltaH=columns[:46], BlackLevelDeltaV=rows[:31], ActiveArea=[3, 5, 34, 51], BlackLevel=800))
+    yield Case(
+        "deltas-of-area",
+        (50715, 50716, 50829),
+        shot(
+            36,
+            54,
+            low=1500,
+            high=60000,
+            BlackLevelDeltaH=columns[:46],
+            BlackLevelDeltaV=rows[:31],
+            ActiveArea=[3, 5, 34, 51],
+            BlackLevel=800,
+        ),
+    )
     table = np.rint(65535 * (np.arange(4096) / 4095) ** 2.2)
     yield Case("linearization", (50712,), shot(bits=12, light=scene() ** (1 / 2.2), LinearizationTable=table, WhiteLevel=65535))
-    yield Case("linearization-black", (50712, 50714), shot(bits=12, light=scene() ** (1 / 2.2), LinearizationTable=table, WhiteLevel=60000, BlackLevel=700))
+    yield Case(
+        "linearization-black",
+        (50712, 50714),
+        shot(bits=12, light=scene() ** (1 / 2.2), LinearizationTable=table, WhiteLevel=60000, BlackLevel=700),
+    )
     yield Case("linearization-short", (50712,), shot(bits=12, LinearizationTable=np.arange(3000) * 20, WhiteLevel=60000))
     yield Case("linearization-8", (50712,), shot(bits=8, LinearizationTable=np.arange(256) ** 2, WhiteLevel=65025))
     yield Case("linearization-default-white", (50712, 50717), shot(bits=12, LinearizationTable=np.arange(4096) // 2 + 100), libraw=False)
@@ -241,7 +289,11 @@ def geometry():
     for name, place in {"even": [2, 4, 30, 44], "odd": [3, 5, 29, 46], "odd-size": [1, 0, 30, 43]}.items():
         for phase in ("rggb", "gbrg"):
             yield Case(f"area-{name}-{phase}", (50829,), shot(phase=phase, bits=14, ActiveArea=place))
-    yield Case("area-black-cell", (50829, 50713), shot(bits=14, ActiveArea=[3, 5, 29, 46], BlackLevelRepeatDim=[2, 2], BlackLevel=[100, 300, 500, 900]))
+    yield Case(
+        "area-black-cell",
+        (50829, 50713),
+        shot(bits=14, ActiveArea=[3, 5, 29, 46], BlackLevelRepeatDim=[2, 2], BlackLevel=[100, 300, 500, 900]),
+    )
     for name, given in {
         "crop-even": dict(DefaultCropOrigin=[4, 2], DefaultCropSize=[40, 26]),
         "crop-odd": dict(DefaultCropOrigin=[5, 3], DefaultCropSize=[31, 23]),
@@ -287,21 +339,41 @@ def colours():
         "matrix-a-d50-d65": three | {"CalibrationIlluminant1": A, "CalibrationIlluminant2": D50, "CalibrationIlluminant3": DAYLIGHT},
         "matrix-d50-a-shade": three | {"CalibrationIlluminant1": D50, "CalibrationIlluminant2": A, "CalibrationIlluminant3": 11},
         "matrix-tungsten-fluorescent": two | {"CalibrationIlluminant1": 14, "CalibrationIlluminant2": 3},
-        "matrix-other": two | {"CalibrationIlluminant1": OTHER, "CalibrationIlluminant2": OTHER, "IlluminantData1": illuminant(0.3127, 0.3290),
-                               "IlluminantData2": illuminant(0.4476, 0.4074)},
-        "matrix-other-2": two | {"CalibrationIlluminant1": OTHER, "CalibrationIlluminant2": OTHER, "IlluminantData1": illuminant(0.4476, 0.4074),
-                                 "IlluminantData2": illuminant(0.3457, 0.3585)},
-        "matrix-other-3": three | {"CalibrationIlluminant1": A, "CalibrationIlluminant2": D50, "CalibrationIlluminant3": OTHER,
-                                   "IlluminantData3": illuminant(0.3127, 0.3290)},
+        "matrix-other": two
+        | {
+            "CalibrationIlluminant1": OTHER,
+            "CalibrationIlluminant2": OTHER,
+            "IlluminantData1": illuminant(0.3127, 0.3290),
+            "IlluminantData2": illuminant(0.4476, 0.4074),
+        },
+        "matrix-other-2": two
+        | {
+            "CalibrationIlluminant1": OTHER,
+            "CalibrationIlluminant2": OTHER,
+            "IlluminantData1": illuminant(0.4476, 0.4074),
+            "IlluminantData2": illuminant(0.3457, 0.3585),
+        },
+        "matrix-other-3": three
+        | {
+            "CalibrationIlluminant1": A,
+            "CalibrationIlluminant2": D50,
+            "CalibrationIlluminant3": OTHER,
+            "IlluminantData3": illuminant(0.3127, 0.3290),
+        },
         "forward-1": one | {"ForwardMatrix1": FORWARD},
         "forward-2": two | both | forward,
         "forward-of-other-only": two | both | {"ForwardMatrix1": FORWARD},
-        "forward-3": three | {"CalibrationIlluminant1": A, "CalibrationIlluminant2": D50, "CalibrationIlluminant3": DAYLIGHT,
-                              "ForwardMatrix3": FORWARD},
+        "forward-3": three
+        | {"CalibrationIlluminant1": A, "CalibrationIlluminant2": D50, "CalibrationIlluminant3": DAYLIGHT, "ForwardMatrix3": FORWARD},
         "calibration": two | both | calibrated,
         "calibration-1": one | {"CameraCalibration1": CALIBRATION},
-        "calibration-3": three | {"CalibrationIlluminant1": A, "CalibrationIlluminant2": D50, "CalibrationIlluminant3": DAYLIGHT,
-                                  "CameraCalibration3": CALIBRATION},
+        "calibration-3": three
+        | {
+            "CalibrationIlluminant1": A,
+            "CalibrationIlluminant2": D50,
+            "CalibrationIlluminant3": DAYLIGHT,
+            "CameraCalibration3": CALIBRATION,
+        },
         "calibration-forward": two | both | calibrated | forward,
         "calibration-forward-balance": two | both | calibrated | forward | {"AnalogBalance": [1.5, 1.0, 0.7]},
         "balance-cancels": one | {"AnalogBalance": [1.5, 1.0, 0.7]},
@@ -309,8 +381,10 @@ def colours():
         "xy": {"ColorMatrix1": WARM, "AsShotWhiteXY": [0.3457, 0.3585]},
         "xy-two": {"ColorMatrix1": WARM, "ColorMatrix2": COOL, "AsShotWhiteXY": [0.4, 0.38], **both},
         "xy-calibration": {"ColorMatrix1": WARM, "CameraCalibration1": CALIBRATION, "AsShotWhiteXY": [0.3457, 0.3585]},
-        "signatures-equal": one | {"CameraCalibration1": CALIBRATION, "CameraCalibrationSignature": b"same\0", "ProfileCalibrationSignature": b"same\0"},
-        "signatures-differ": one | {"CameraCalibration1": CALIBRATION, "CameraCalibrationSignature": b"one\0", "ProfileCalibrationSignature": b"two\0"},
+        "signatures-equal": one
+        | {"CameraCalibration1": CALIBRATION, "CameraCalibrationSignature": b"same\0", "ProfileCalibrationSignature": b"same\0"},
+        "signatures-differ": one
+        | {"CameraCalibration1": CALIBRATION, "CameraCalibrationSignature": b"one\0", "ProfileCalibrationSignature": b"two\0"},
         "signature-alone": one | {"CameraCalibration1": CALIBRATION, "CameraCalibrationSignature": b"one\0"},
     }
     for name, tags in sets.items():
@@ -322,8 +396,12 @@ def colours():
     yield Case("colour-both-directories", (50721,), inner, [with_sub(inner, **one)], colours=one, libraw=False)
     inner = without_dng(shot(light=scene() * 0.6, **one))
     yield Case("colour-of-frame", (50721,), inner, [with_sub(inner)], libraw=False)
-    ended = two | {"CalibrationIlluminant1": OTHER, "CalibrationIlluminant2": OTHER, "IlluminantData1": illuminant(0.3127, 0.3290, ">"),
-                   "IlluminantData2": illuminant(0.4476, 0.4074, ">")}
+    ended = two | {
+        "CalibrationIlluminant1": OTHER,
+        "CalibrationIlluminant2": OTHER,
+        "IlluminantData1": illuminant(0.3127, 0.3290, ">"),
+        "IlluminantData2": illuminant(0.4476, 0.4074, ">"),
+    }
     yield Case("colour-other-big", (52533, 52534), shot(light=scene() * 0.6, **ended), order=">")
 
 
@@ -366,8 +444,8 @@ PART = area(3, 5, 27, 42, 0, 1, 2, 2)
 
 def mosaic_opcodes(first):
     """Opcodes of lists 1 and 2, by name. Values are stored ones in list 1 and light in list 2."""
-    unit, delta = (1.0, 65535) if first else (65535.0, 65535)
-    curve = [200 * 65535 / 65535 / (1 if first else 65535), 0.9, 0.05 / (65535 if first else 1)]
+    delta, unit = 65535, 1 if first else 65535
+    curve = [200 / unit, 0.9, 0.05 * unit / 65535]
     lines = np.linspace(0.8, 1.1, 12)
     yield "map-table", opcode(7, WHOLE + table(np.rint(65535 * (np.arange(65536) / 65535) ** 1.3)))
     yield "map-table-short", opcode(7, PART + table(np.arange(30000)))
@@ -376,8 +454,11 @@ def mosaic_opcodes(first):
     yield "gain-map", gain_map(WHOLE, GRID, (0.5, 1 / 3), (0.0, 0.0))
     yield "gain-map-inside", gain_map(WHOLE, GRID, (0.2, 0.15), (0.3, 0.25))
     yield "gain-map-one", gain_map(PART, [[0.8]], (1.0, 1.0), (0.0, 0.0))
-    cells = [gain_map(area(r, c, HEIGHT, WIDTH, 0, 1, 2, 2), np.array(GRID) * (1 - 0.1 * (2 * r + c)), (0.5, 1 / 3), (0.0, 0.0))
-             for r in (0, 1) for c in (0, 1)]
+    cells = [
+        gain_map(area(r, c, HEIGHT, WIDTH, 0, 1, 2, 2), np.array(GRID) * (1 - 0.1 * (2 * r + c)), (0.5, 1 / 3), (0.0, 0.0))
+        for r in (0, 1)
+        for c in (0, 1)
+    ]
     yield "gain-map-cells", b"".join(cells)
     yield "delta-row", per_line(10, PART, list(delta * np.linspace(-0.08, 0.1, 12)))
     yield "delta-column", per_line(11, PART, list(delta * np.linspace(-0.08, 0.1, 19)))
@@ -409,27 +490,48 @@ def lists():
             row = {1: 51008, 2: 51009}[number]
             yield Case(f"list{number}-{name}", (row,), shot(light=scene() * 0.9, **{f"OpcodeList{number}": as_list(data)}))
             if name in ("gain-map-cells", "delta-row", "map-polynomial"):
-                yield Case(f"list{number}-{name}-big", (row,), shot(bits=14, light=scene() * 0.9, **{f"OpcodeList{number}": as_list(data)}) if name != "map-polynomial"
-                           else shot(light=scene() * 0.9, **{f"OpcodeList{number}": as_list(data)}), order=">")
+                bits = 16 if name == "map-polynomial" else 14
+                made = shot(bits=bits, light=scene() * 0.9, **{f"OpcodeList{number}": as_list(data)})
+                yield Case(f"list{number}-{name}-big", (row,), made, order=">")
         yield from repairs(number)
     vignette = opcode(3, doubles(0.1, -0.25, 0.1, 0.05, -0.1, 0.45, 0.55))
     yield Case("list2-vignette", (51009,), shot(*LARGE, light=scene(*LARGE) * 0.9, OpcodeList2=as_list(vignette)), tolerance=ROUND)
     levels_ = dict(bits=14, low=900, high=15000, BlackLevel=900, WhiteLevel=15000, ActiveArea=[3, 5, 31, 47], light=scene() * 0.8)
-    yield Case("list1-of-whole-picture", (51008,), shot(**levels_, OpcodeList1=as_list(per_line(11, area(4, 6, 20, 40, 0, 1, 2, 1), list(np.linspace(-800, 900, 34))))))
-    yield Case("list2-of-area", (51009,), shot(**levels_, OpcodeList2=as_list(gain_map(area(0, 1, 28, 42, 0, 1, 2, 2), GRID, (0.5, 1 / 3), (0, 0)))))
-    yield Case("list1-before-table", (51008, 50712), shot(bits=12, LinearizationTable=np.arange(4096) * 15, WhiteLevel=60000,
-                                                       OpcodeList1=as_list(per_line(12, PART, list(np.linspace(0.8, 1, 12))))))
-    yield Case("list2-float", (51009,), shot(bits=32, floating=True, light=scene() * 0.9, OpcodeList2=as_list(per_line(10, PART, list(np.linspace(-0.08, 0.1, 12))))),
-               libraw=False)
+    yield Case(
+        "list1-of-whole-picture",
+        (51008,),
+        shot(**levels_, OpcodeList1=as_list(per_line(11, area(4, 6, 20, 40, 0, 1, 2, 1), list(np.linspace(-800, 900, 34))))),
+    )
+    yield Case(
+        "list2-of-area",
+        (51009,),
+        shot(**levels_, OpcodeList2=as_list(gain_map(area(0, 1, 28, 42, 0, 1, 2, 2), GRID, (0.5, 1 / 3), (0, 0)))),
+    )
+    yield Case(
+        "list1-before-table",
+        (51008, 50712),
+        shot(
+            bits=12,
+            LinearizationTable=np.arange(4096) * 15,
+            WhiteLevel=60000,
+            OpcodeList1=as_list(per_line(12, PART, list(np.linspace(0.8, 1, 12)))),
+        ),
+    )
+    yield Case(
+        "list2-float",
+        (51009,),
+        shot(bits=32, floating=True, light=scene() * 0.9, OpcodeList2=as_list(per_line(10, PART, list(np.linspace(-0.08, 0.1, 12))))),
+        libraw=False,
+    )
     yield from picture_lists()
 
 
 def repairs(number):
-    row, unit = {1: (51008, 65535), 2: (51009, 65535)}[number]
+    row = {1: 51008, 2: 51009}[number]
     ramps = [np.indices((HEIGHT, WIDTH))[0] / HEIGHT, np.indices((HEIGHT, WIDTH))[1] / WIDTH]
     for axis, ramp in enumerate(ramps):
         light = scene(flat=True) * (0.5 + 0.4 * ramp)
-        for cell, (r, c) in enumerate([(10, 12), (10, 17), (15, 20), (21, 31)]):
+        for r, c in [(10, 12), (10, 17), (15, 20), (21, 31)]:
             light[r, c] = 1.0
         data = opcode(4, struct.pack(">II", 65535, 0))
         yield Case(f"list{number}-bad-constant-{axis}", (row,), shot(light=light, **{f"OpcodeList{number}": as_list(data)}))
@@ -438,7 +540,9 @@ def repairs(number):
         for r, c in points:
             light[r, c] = 0.95
         light[5:6, 30:36] = 0.0
-        yield Case(f"list{number}-bad-list-{axis}", (row,), shot(light=light, **{f"OpcodeList{number}": as_list(bad_list(0, points, rectangles))}))
+        yield Case(
+            f"list{number}-bad-list-{axis}", (row,), shot(light=light, **{f"OpcodeList{number}": as_list(bad_list(0, points, rectangles))})
+        )
     for phase_number, phase in enumerate(expected.PHASES):
         light = scene(phase=phase, flat=True)
         light[9, 13] = light[14, 14] = light[20, 23] = light[25, 30] = light[0, 0] = light[31, 47] = 0.9
@@ -456,7 +560,9 @@ def picture_lists():
         "map-polynomial": opcode(8, planes(0, 3) + word(2) + doubles(0.01, 0.8, 0.1)),
         "map-polynomial-green": opcode(8, planes(1, 1) + word(2) + doubles(0.01, 0.8, 0.1)),
         "gain-map": gain_map(whole, GRID, (0.5, 1 / 3), (0.0, 0.0)),
-        "gain-map-planes": gain_map(whole, np.stack([np.array(GRID), np.array(GRID)[::-1], np.array(GRID) * 0.8], -1), (0.5, 1 / 3), (0.0, 0.0), 3),
+        "gain-map-planes": gain_map(
+            whole, np.stack([np.array(GRID), np.array(GRID)[::-1], np.array(GRID) * 0.8], -1), (0.5, 1 / 3), (0.0, 0.0), 3
+        ),
         "gain-map-last-plane": gain_map(area(0, 0, HEIGHT, WIDTH, 1, 2), GRID, (0.5, 1 / 3), (0.1, 0.0)),
         "delta-row": per_line(10, planes(0, 3), list(unit * np.linspace(-0.08, 0.1, 12))),
         "delta-column": per_line(11, planes(2, 1), list(unit * np.linspace(-0.08, 0.1, 13))),
@@ -482,72 +588,221 @@ def picture_lists():
     for name, (number, sets, centre) in warps.items():
         data = opcode(number, word(len(sets)) + b"".join(doubles(*k) for k in sets) + doubles(*centre))
         yield Case(f"list3-{name}", (51022,), shot(*LARGE, light=smooth, OpcodeList3=as_list(data)), tolerance=ROUND)
-    crop = dict(ActiveArea=[2, 4, 32, 46], DefaultCropOrigin=[4, 2], DefaultCropSize=[33, 21], Orientation=6, AsShotNeutral=NEUTRAL, ColorMatrix1=WARM)
-    yield Case("list3-before-crop-and-colours", (51022,), shot(light=scene() * 0.6, **crop, OpcodeList3=as_list(gain_map(area(0, 0, 30, 42, 0, 3), GRID, (0.5, 1 / 3), (0, 0)))),
-               tolerance=0.004)
-    yield Case("list3-float", (51022,), shot(bits=32, floating=True, OpcodeList3=as_list(per_line(10, planes(0, 3), list(np.linspace(-0.08, 0.1, 12))))),
-               libraw=False, tolerance=0.002)
+    crop = dict(
+        ActiveArea=[2, 4, 32, 46],
+        DefaultCropOrigin=[4, 2],
+        DefaultCropSize=[33, 21],
+        Orientation=6,
+        AsShotNeutral=NEUTRAL,
+        ColorMatrix1=WARM,
+    )
+    yield Case(
+        "list3-before-crop-and-colours",
+        (51022,),
+        shot(light=scene() * 0.6, **crop, OpcodeList3=as_list(gain_map(area(0, 0, 30, 42, 0, 3), GRID, (0.5, 1 / 3), (0, 0)))),
+        tolerance=0.004,
+    )
+    yield Case(
+        "list3-float",
+        (51022,),
+        shot(bits=32, floating=True, OpcodeList3=as_list(per_line(10, planes(0, 3), list(np.linspace(-0.08, 0.1, 12))))),
+        libraw=False,
+        tolerance=0.002,
+    )
 
 
 def options():
     """Options that take the file's place, over what is right, missing, damaged."""
     light = scene() * 0.6
     balance = ["--white-balance", "2,1,1.6"]
-    def told(name, meant, options_, rows=(), phase=None, **given):
-        yield Case(f"option-{name}", rows, meant, [given_shot(given, light)], phase=phase, options=options_, libraw=False)
+
+    def instead(name, meant, options_, phase=None, **given):
+        yield Case(f"option-{name}", (), meant, [shot(light=light, **given)], phase=phase, options=options_, libraw=False)
 
     meant = shot(light=light, AsShotNeutral=[0.5, 1, 0.625])
-    for name, given in {"present": {"AsShotNeutral": [1, 0.4, 0.5]}, "missing": {}, "zero": {"AsShotNeutral": [(0, 0)] * 3},
-                        "count": {"AsShotNeutral": [1.0, 1.0]}, "xy": {"AsShotWhiteXY": [(0, 0), (0, 0)]}}.items():
-        yield from told(f"balance-{name}", meant, balance, **given)
+    for name, given in {
+        "present": {"AsShotNeutral": [1, 0.4, 0.5]},
+        "missing": {},
+        "zero": {"AsShotNeutral": [(0, 0)] * 3},
+        "count": {"AsShotNeutral": [1.0, 1.0]},
+        "xy": {"AsShotWhiteXY": [(0, 0), (0, 0)]},
+    }.items():
+        yield from instead(f"balance-{name}", meant, balance, **given)
     meant = shot(light=light, BlackLevel=1000)
-    for name, given in {"present": {"BlackLevel": 77}, "deltas": {"BlackLevelDeltaV": np.arange(HEIGHT) * 20, "BlackLevelDeltaH": np.arange(WIDTH) * 20},
-                        "repeat": {"BlackLevelRepeatDim": [3, 1], "BlackLevel": [1, 2, 3]}, "zero": {"BlackLevel": [(0, 0)]},
-                        "deltas-count": {"BlackLevelDeltaV": [1, 2, 3]}}.items():
-        yield from told(f"black-{name}", meant, ["--black-level", "1000"], **given)
+    for name, given in {
+        "present": {"BlackLevel": 77},
+        "deltas": {"BlackLevelDeltaV": np.arange(HEIGHT) * 20, "BlackLevelDeltaH": np.arange(WIDTH) * 20},
+        "repeat": {"BlackLevelRepeatDim": [3, 1], "BlackLevel": [1, 2, 3]},
+        "zero": {"BlackLevel": [(0, 0)]},
+        "deltas-count": {"BlackLevelDeltaV": [1, 2, 3]},
+    }.items():
+        yield from instead(f"black-{name}", meant, ["--black-level", "1000"], **given)
     cells = shot(light=light, BlackLevelRepeatDim=[2, 2], BlackLevel=[1000, 1100, 1200, 1300])
-    yield from told("black-four", cells, ["--black-level", "1000,1100,1200,1300"], BlackLevel=7)
+    yield from instead("black-four", cells, ["--black-level", "1000,1100,1200,1300"], BlackLevel=7)
     meant = shot(light=light, WhiteLevel=60000)
     for name, given in {"present": {"WhiteLevel": 50000}, "zero": {"WhiteLevel": 0}, "missing": {}}.items():
-        yield from told(f"white-{name}", meant, ["--white-level", "60000"], **given)
-    for name, given in {"present": {"CFAPattern": [2, 1, 1, 0]}, "missing": {"without": ("CFAPattern",)}, "damaged": {"CFAPattern": [9, 9, 9, 9]}}.items():
-        yield from told(f"phase-{name}", shot(light=light), ["--phase", "rggb"], phase="rggb", **given)
+        yield from instead(f"white-{name}", meant, ["--white-level", "60000"], **given)
+    for name, given in {
+        "present": {"CFAPattern": [2, 1, 1, 0]},
+        "missing": {"without": ("CFAPattern",)},
+        "damaged": {"CFAPattern": [9, 9, 9, 9]},
+    }.items():
+        yield from instead(f"phase-{name}", shot(light=light), ["--phase", "rggb"], phase="rggb", **given)
     matrix = "0.9,0.2,-0.1,-0.1,1.2,-0.1,0.05,-0.25,1.2"
     numbers = np.array([float(v) for v in matrix.split(",")]).reshape(3, 3)
     # The matrix is that of XYZ to the camera whose inverse it is.
     camera = np.linalg.inv(numbers) @ np.linalg.inv(expected.xyz_from_srgb())
     meant = shot(light=light, ColorMatrix1=camera.ravel(), AsShotNeutral=NEUTRAL)
-    yield from told("matrix", meant, ["--colour-matrix", matrix], ColorMatrix1=WARM, AsShotNeutral=NEUTRAL)
-
-
-def given_shot(given, light):
-    return shot(light=light, **given)
+    yield from instead("matrix", meant, ["--colour-matrix", matrix], ColorMatrix1=WARM, AsShotNeutral=NEUTRAL)
 
 
 # Harmless
 
 
-SAMPLES = {ASCII: "text of a case", BYTE: [1, 2, 3, 4], SHORT: [3], LONG: [5], RATIONAL: [1.5], SRATIONAL: [-0.5], UNDEFINED: b"\1\2\3\4\5\6\7\10",
-           FLOAT: [0.5, 0.25], DOUBLE: [0.5, 0.25], SLONG: [-7]}
+SAMPLES = {
+    ASCII: "text of a case",
+    BYTE: [1, 2, 3, 4],
+    SHORT: [3],
+    LONG: [5],
+    RATIONAL: [1.5],
+    SRATIONAL: [-0.5],
+    UNDEFINED: b"\1\2\3\4\5\6\7\10",
+    FLOAT: [0.5, 0.25],
+    DOUBLE: [0.5, 0.25],
+    SLONG: [-7],
+}
 # Types and values of harmless tags where these are not three of SHORT.
-TEXTS = [269, 270, 271, 272, 285, 305, 306, 315, 316, 333, 337, 32781, 33432, 34852, 36867, 37395, 50708, 50735, 50966, 50967, 50968, 50971,
-         51105, 51081, 51182, 52526, 52528, 52552, 50934, 50936, 50942]
+TEXTS = [
+    269,
+    270,
+    271,
+    272,
+    285,
+    305,
+    306,
+    315,
+    316,
+    333,
+    337,
+    32781,
+    33432,
+    34852,
+    36867,
+    37395,
+    50708,
+    50735,
+    50966,
+    50967,
+    50968,
+    50971,
+    51105,
+    51081,
+    51182,
+    52526,
+    52528,
+    52552,
+    50934,
+    50936,
+    50942,
+]
 BYTES = [700, 34377, 50709, 50827, 50740, 50969, 50972, 50973, 51111, 50781, 51043, 51113, 51114, 52540, 33723, 37398]
 UNDEFINEDS = [34675, 34856, 34857, 37388, 37389, 50828, 50831, 50833, 51113, 52545, 52548, 52550, 52551]
-RATIONALS = {282: [72.0], 283: [72.0], 286: [1.0], 287: [1.0], 318: [0.3127, 0.329], 319: [0.64, 0.33, 0.3, 0.6, 0.15, 0.06], 529: [0.3, 0.6, 0.1],
-             532: [0, 255, 128, 255, 128, 255], 33423: [0.5], 33434: [0.01], 33437: [2.8], 37122: [4.0], 37378: [3.0], 37381: [3.0], 37382: [1.5],
-             37386: [50.0], 37387: [2.0], 37390: [5000.0], 37391: [5000.0], 37397: [1.5], 50731: [2.5], 50732: [1.5], 50734: [0.7],
-             50736: [24.0, 70.0, 2.8, 2.8], 50737: [3.0], 50738: [0.5], 50739: [0.5], 50780: [2.0], 50935: [0.8], 51058: [2.8], 51178: [1.0], 51179: [9.0]}
-SRATIONALS = {37377: [6.0], 37379: [1.0], 37380: [1.5], 50725: [1, 0, 0, 0, 1, 0, 0, 0, 1], 50726: [1, 0, 0, 0, 1, 0, 0, 0, 1],
-              52538: [1, 0, 0, 0, 1, 0, 0, 0, 1], 50832: [2, 0, 0, 0, 2, 0, 0, 0, 2], 50834: [2, 0, 0, 0, 2, 0, 0, 0, 2], 51044: [24.0]}
-LONGS = {288: [8], 289: [4], 292: [1], 293: [1], 50933: [8], 51089: [24, 16], 51090: [24, 16], 51091: [24, 16], 51110: [1], 50941: [1], 50970: [2],
-         51107: [1], 51108: [1], 50733: [3000], 34853: [8], 34665: [8], 37393: [7], 52536: [1, 2, 3, 4], 513: [8], 514: [4], 519: [8], 520: [8], 521: [8],
-         52541: [8], 52542: [4], 52554: [7], 52555: [2]}
+RATIONALS = {
+    282: [72.0],
+    283: [72.0],
+    286: [1.0],
+    287: [1.0],
+    318: [0.3127, 0.329],
+    319: [0.64, 0.33, 0.3, 0.6, 0.15, 0.06],
+    529: [0.3, 0.6, 0.1],
+    532: [0, 255, 128, 255, 128, 255],
+    33423: [0.5],
+    33434: [0.01],
+    33437: [2.8],
+    37122: [4.0],
+    37378: [3.0],
+    37381: [3.0],
+    37382: [1.5],
+    37386: [50.0],
+    37387: [2.0],
+    37390: [5000.0],
+    37391: [5000.0],
+    37397: [1.5],
+    50731: [2.5],
+    50732: [1.5],
+    50734: [0.7],
+    50736: [24.0, 70.0, 2.8, 2.8],
+    50737: [3.0],
+    50738: [0.5],
+    50739: [0.5],
+    50780: [2.0],
+    50935: [0.8],
+    51058: [2.8],
+    51178: [1.0],
+    51179: [9.0],
+}
+SRATIONALS = {
+    37377: [6.0],
+    37379: [1.0],
+    37380: [1.5],
+    50725: [1, 0, 0, 0, 1, 0, 0, 0, 1],
+    50726: [1, 0, 0, 0, 1, 0, 0, 0, 1],
+    52538: [1, 0, 0, 0, 1, 0, 0, 0, 1],
+    50832: [2, 0, 0, 0, 2, 0, 0, 0, 2],
+    50834: [2, 0, 0, 0, 2, 0, 0, 0, 2],
+    51044: [24.0],
+}
+LONGS = {
+    288: [8],
+    289: [4],
+    292: [1],
+    293: [1],
+    50933: [8],
+    51089: [24, 16],
+    51090: [24, 16],
+    51091: [24, 16],
+    51110: [1],
+    50941: [1],
+    50970: [2],
+    51107: [1],
+    51108: [1],
+    50733: [3000],
+    34853: [8],
+    34665: [8],
+    37393: [7],
+    52536: [1, 2, 3, 4],
+    513: [8],
+    514: [4],
+    519: [8],
+    520: [8],
+    521: [8],
+    52541: [8],
+    52542: [4],
+    52554: [7],
+    52555: [2],
+}
 DOUBLES = {51041: [2e-5, 4e-7], 51112: [0.5]}
-OTHERS = {52553: (FLOAT, [1.5]), 34858: (SHORT, [1]), 284: (SHORT, [2]), 50741: (SHORT, [1]), 338: (SHORT, [1]), 301: (SHORT, list(range(0, 256 * 100, 100))),
-          320: (SHORT, list(range(768))), 291: (SHORT, [5, 6, 7]), 530: (SHORT, [2, 2]), 342: (SHORT, [1, 2, 3, 4, 5, 6]), 297: (SHORT, [1, 4]),
-          280: (SHORT, [1000]), 281: (SHORT, [2000]), 340: (SHORT, [1000]), 341: (SHORT, [2000]), 37396: (SHORT, [9, 9]), 336: (SHORT, [10, 200]),
-          321: (SHORT, [10, 200]), 34855: (SHORT, [100])}
+OTHERS = {
+    52553: (FLOAT, [1.5]),
+    34858: (SHORT, [1]),
+    284: (SHORT, [2]),
+    50741: (SHORT, [1]),
+    338: (SHORT, [1]),
+    301: (SHORT, list(range(0, 256 * 100, 100))),
+    320: (SHORT, list(range(768))),
+    291: (SHORT, [5, 6, 7]),
+    530: (SHORT, [2, 2]),
+    342: (SHORT, [1, 2, 3, 4, 5, 6]),
+    297: (SHORT, [1, 4]),
+    280: (SHORT, [1000]),
+    281: (SHORT, [2000]),
+    340: (SHORT, [1000]),
+    341: (SHORT, [2000]),
+    37396: (SHORT, [9, 9]),
+    336: (SHORT, [10, 200]),
+    321: (SHORT, [10, 200]),
+    34855: (SHORT, [100]),
+}
 
 
 def harmless_value(number):
@@ -592,8 +847,18 @@ def rejected():
     def add(name, number, words, data, **more):
         found.append(Rejection(name, data, number, words, **more))
 
-    for name, value in {"FillOrder": 2, "Predictor": 2, "JPEGTables": b"\xff\xd8\xff\xd9", "CFALayout": 2, "CFAPlaneColor": [1, 0, 2], "DefaultScale": [2.0, 1.0],
-                        "SubTileBlockSize": [2, 2], "RowInterleaveFactor": 2, "ColumnInterleaveFactor": 2, "ColorimetricReference": 1}.items():
+    for name, value in {
+        "FillOrder": 2,
+        "Predictor": 2,
+        "JPEGTables": b"\xff\xd8\xff\xd9",
+        "CFALayout": 2,
+        "CFAPlaneColor": [1, 0, 2],
+        "DefaultScale": [2.0, 1.0],
+        "SubTileBlockSize": [2, 2],
+        "RowInterleaveFactor": 2,
+        "ColumnInterleaveFactor": 2,
+        "ColorimetricReference": 1,
+    }.items():
         number = TAGS[name][0]
         more = dict(compression=7, bits=14) if name == "JPEGTables" else {}
         add(name, number, [name, str(number)], base(**{name: value}, **more))
@@ -643,11 +908,17 @@ def rejected():
     add("loop", 330, [], loop(), help=False)
     for number, row in ((1, 51008), (2, 51009), (3, 51022)):
         tag = f"OpcodeList{number}"
-        every = {"trims": (opcode(6, struct.pack(">4I", 0, 0, HEIGHT - 2, WIDTH)), "TrimBounds"), "unknown": (opcode(99, b""), "99"),
-                 "new": (opcode(13, b"1234", version=(1, 9, 0, 0)), "ScalePerColumn"), "warp2": (opcode(14, b"1234"), "WarpRectilinear2"),
-                 "short": (opcode(12, WHOLE[:20]), "ScalePerRow"), "polynomial": (opcode(8, WHOLE + word(9) + doubles(*[0.1] * 10)), "MapPolynomial"),
-                 "map": (opcode(9, WHOLE + struct.pack(">IIddddI", 1 << 20, 1 << 20, 1, 1, 0, 0, 1)), "GainMap"),
-                 "count": (per_line(10, WHOLE, [1.0] * 3), "DeltaPerRow"), "pitch": (per_line(10, area(0, 0, 8, 8, 0, 1, 0, 1), [1.0] * 8), "DeltaPerRow")}
+        every = {
+            "trims": (opcode(6, struct.pack(">4I", 0, 0, HEIGHT - 2, WIDTH)), "TrimBounds"),
+            "unknown": (opcode(99, b""), "99"),
+            "new": (opcode(13, b"1234", version=(1, 9, 0, 0)), "ScalePerColumn"),
+            "warp2": (opcode(14, b"1234"), "WarpRectilinear2"),
+            "short": (opcode(12, WHOLE[:20]), "ScalePerRow"),
+            "polynomial": (opcode(8, WHOLE + word(9) + doubles(*[0.1] * 10)), "MapPolynomial"),
+            "map": (opcode(9, WHOLE + struct.pack(">IIddddI", 1 << 20, 1 << 20, 1, 1, 0, 0, 1)), "GainMap"),
+            "count": (per_line(10, WHOLE, [1.0] * 3), "DeltaPerRow"),
+            "pitch": (per_line(10, area(0, 0, 8, 8, 0, 1, 0, 1), [1.0] * 8), "DeltaPerRow"),
+        }
         if number < 3:
             every["warp"] = (opcode(1, word(1) + doubles(1, 0, 0, 0, 0, 0, 0.5, 0.5)), "WarpRectilinear")
             every["fisheye"] = (opcode(2, word(1) + doubles(1, 0, 0, 0, 0.5, 0.5)), "WarpFisheye")
@@ -666,7 +937,7 @@ def rejected():
 
 def loop():
     """A directory that is its own successor."""
-    data = bytearray(dng([shot(16, 24, light=scene(16, 24) , NewSubFileType=1)]))
+    data = bytearray(dng([shot(16, 24, light=scene(16, 24), NewSubFileType=1)]))
     first = struct.unpack_from("<I", data, 4)[0]
     count = struct.unpack_from("<H", data, first)[0]
     struct.pack_into("<I", data, first + 2 + 12 * count, first)
@@ -676,7 +947,6 @@ def loop():
 def damaged(directory, number, kind, count, value=0x7FFFFFF0):
     """A file in which a tag's entry has a type, a count and a value, or a place, of its own."""
     name = next((n for n, (code, _) in TAGS.items() if code == number), None)
-    marked = number if name is None or name not in TAGS else name
     tags = dict(directory.tags)
     if name in tags or number in tags or name is None or name not in present(directory):
         tags.pop(name, None)
@@ -695,7 +965,11 @@ def damaged(directory, number, kind, count, value=0x7FFFFFF0):
 def present(directory):
     """Names of the tags that the writer makes of a picture."""
     shared = {"ImageWidth", "ImageLength", "BitsPerSample", "Compression", "PhotometricInterpretation", "SamplesPerPixel"}
-    parts = {"TileWidth", "TileLength", "TileOffsets", "TileByteCounts"} if directory.tile else {"RowsPerStrip", "StripOffsets", "StripByteCounts"}
+    parts = (
+        {"TileWidth", "TileLength", "TileOffsets", "TileByteCounts"}
+        if directory.tile
+        else {"RowsPerStrip", "StripOffsets", "StripByteCounts"}
+    )
     return shared | parts | ({"SampleFormat"} if directory.stored.dtype.kind == "f" else set()) | set(directory.tags)
 
 
@@ -723,7 +997,9 @@ def unreadable(rows):
                 extra = {"ColorMatrix1": WARM, "CameraCalibration1": CALIBRATION}
             elif number == 347:
                 extra = dict(compression=7, bits=14)
-            found.append(Rejection(f"{way}-{number}-{row.name}", damaged(shot(**extra), number, kind, count), number, [row.name], help=False))
+            found.append(
+                Rejection(f"{way}-{number}-{row.name}", damaged(shot(**extra), number, kind, count), number, [row.name], help=False)
+            )
     return found
 
 
@@ -739,12 +1015,20 @@ def noted():
     cube = [v for _ in range(8) for v in (0.0, 1.1, 0.9)]
     curve = [0.0, 0.0, 0.5, 0.7, 1.0, 1.0]
     gain_table = struct.pack("<IIddddI5f", 1, 1, 1.0, 1.0, 0.0, 0.0, 2, 0.2, 0.2, 0.2, 0.1, 0.3) + struct.pack("<2f", 1.0, 2.0)
-    for name, number, value in [("BaselineExposure", 50730, (SRATIONAL, [1.5])), ("BaselineExposureOffset", 51109, (RATIONAL, [0.5])),
-                                ("ProfileHueSatMapDims", 50937, (LONG, [2, 2, 2])), ("ProfileHueSatMapData1", 50938, (FLOAT, cube)),
-                                ("ProfileHueSatMapData2", 50939, (FLOAT, cube)), ("ProfileHueSatMapData3", 52537, (FLOAT, cube)),
-                                ("ProfileToneCurve", 50940, (FLOAT, curve)), ("ProfileLookTableDims", 50981, (LONG, [2, 2, 2])),
-                                ("ProfileLookTableData", 50982, (FLOAT, cube)), ("ProfileGainTableMap", 52525, (UNDEFINED, gain_table)),
-                                ("ProfileGainTableMap2", 52544, (UNDEFINED, gain_table)), ("RGBTables", 52543, (UNDEFINED, bytes(64)))]:
+    for name, number, value in [
+        ("BaselineExposure", 50730, (SRATIONAL, [1.5])),
+        ("BaselineExposureOffset", 51109, (RATIONAL, [0.5])),
+        ("ProfileHueSatMapDims", 50937, (LONG, [2, 2, 2])),
+        ("ProfileHueSatMapData1", 50938, (FLOAT, cube)),
+        ("ProfileHueSatMapData2", 50939, (FLOAT, cube)),
+        ("ProfileHueSatMapData3", 52537, (FLOAT, cube)),
+        ("ProfileToneCurve", 50940, (FLOAT, curve)),
+        ("ProfileLookTableDims", 50981, (LONG, [2, 2, 2])),
+        ("ProfileLookTableData", 50982, (FLOAT, cube)),
+        ("ProfileGainTableMap", 52525, (UNDEFINED, gain_table)),
+        ("ProfileGainTableMap2", 52544, (UNDEFINED, gain_table)),
+        ("RGBTables", 52543, (UNDEFINED, bytes(64))),
+    ]:
         add(name, number, [name], tags={number: value})
         add(f"{name}-absent", number, [name], False)
     add("MaskedAreas", 50830, ["MaskedAreas", "black"], ActiveArea=[0, 8, 32, 48], MaskedAreas=[0, 0, 32, 8])
@@ -755,10 +1039,12 @@ def noted():
     inner = [without_dng(shot()) for _ in range(3)]
     found.append(Note("several", dng([with_sub(*inner)]), 330, ["3", "frame"]))
     found.append(Note("one", dng([with_sub(inner[0])]), 330, ["frames"], False))
-    for name, options_, given, word_ in [("white-balance", ["--white-balance", "1,1,1"], {"AsShotNeutral": NEUTRAL}, "AsShotNeutral"),
-                                         ("black", ["--black-level", "10"], {"BlackLevel": 500}, "BlackLevel"),
-                                         ("white", ["--white-level", "60000"], {"WhiteLevel": 50000}, "WhiteLevel"),
-                                         ("phase", ["--phase", "bggr"], {}, "CFAPattern")]:
+    for name, options_, given, word_ in [
+        ("white-balance", ["--white-balance", "1,1,1"], {"AsShotNeutral": NEUTRAL}, "AsShotNeutral"),
+        ("black", ["--black-level", "10"], {"BlackLevel": 500}, "BlackLevel"),
+        ("white", ["--white-level", "60000"], {"WhiteLevel": 50000}, "WhiteLevel"),
+        ("phase", ["--phase", "bggr"], {}, "CFAPattern"),
+    ]:
         found.append(Note(f"option-{name}", dng([shot(**given)]), 0, [word_], True, options_))
     for case in found:
         case.number = case.number or 50728
@@ -769,7 +1055,9 @@ def noted():
 
 
 def cut_files():
-    yield "strips", [shot(strip=8, BlackLevel=[100], ColorMatrix1=WARM, AsShotNeutral=NEUTRAL, BlackLevelDeltaH=np.zeros(WIDTH))], "<", False
+    yield "strips", [
+        shot(strip=8, BlackLevel=[100], ColorMatrix1=WARM, AsShotNeutral=NEUTRAL, BlackLevelDeltaH=np.zeros(WIDTH))
+    ], "<", False
     yield "tiles-big", [with_sub(without_dng(shot(tile=(16, 16), OpcodeList2=as_list(per_line(12, PART, [1.0] * 12)))))], ">", True
     yield "jpeg", [with_sub(without_dng(shot(bits=14, compression=7, strip=16)))], ">", False
 
@@ -791,7 +1079,9 @@ def strange():
         yield f"nan-rows-{number}", dng([shot(**{tag: as_list(per_line(12, WHOLE, [float("nan")] * HEIGHT))})])
         yield f"empty-area-{number}", dng([shot(**{tag: as_list(per_line(12, area(9, 9, 9, 20), []))})])
         yield f"turned-area-{number}", dng([shot(**{tag: as_list(per_line(12, area(20, 9, 9, 20), []))})])
-        yield f"far-area-{number}", dng([shot(**{tag: as_list(opcode(7, area(0, 0, 2**32 - 1, 2**32 - 1, 0, 2**32 - 1, 2**31, 2**31) + table([5])))})])
+        yield f"far-area-{number}", dng(
+            [shot(**{tag: as_list(opcode(7, area(0, 0, 2**32 - 1, 2**32 - 1, 0, 2**32 - 1, 2**31, 2**31) + table([5])))})]
+        )
         yield f"no-table-{number}", dng([shot(**{tag: as_list(opcode(7, WHOLE + word(0)))})])
     for name, numbers in {"nan": [float("nan")] * 6, "large": [1e300] * 6, "zero": [0.0] * 6}.items():
         yield f"warp-{name}", dng([shot(OpcodeList3=as_list(opcode(1, word(1) + doubles(*numbers, 0.5, 0.5))))])
@@ -801,8 +1091,26 @@ def strange():
     yield "all-bad", dng([shot(OpcodeList1=as_list(bad_list(0, [], [(0, 0, HEIGHT, WIDTH)])))])
     yield "bad-outside", dng([shot(OpcodeList1=as_list(bad_list(0, [(HEIGHT, 3), (2**31, 2**31)], [(5, 5, 2**31, 2**31), (9, 9, 3, 3)])))])
     yield "bad-phase", dng([shot(OpcodeList1=as_list(bad_list(9, [(3, 3)], [])))])
-    for name in ("WhiteLevel", "BlackLevel", "DefaultCropSize", "DefaultUserCrop", "AsShotNeutral", "AsShotWhiteXY", "ColorMatrix1", "AnalogBalance", "DefaultScale"):
-        many = {"DefaultCropSize": 2, "DefaultUserCrop": 4, "AsShotNeutral": 3, "AsShotWhiteXY": 2, "ColorMatrix1": 9, "AnalogBalance": 3, "DefaultScale": 2}.get(name, 1)
+    for name in (
+        "WhiteLevel",
+        "BlackLevel",
+        "DefaultCropSize",
+        "DefaultUserCrop",
+        "AsShotNeutral",
+        "AsShotWhiteXY",
+        "ColorMatrix1",
+        "AnalogBalance",
+        "DefaultScale",
+    ):
+        many = {
+            "DefaultCropSize": 2,
+            "DefaultUserCrop": 4,
+            "AsShotNeutral": 3,
+            "AsShotWhiteXY": 2,
+            "ColorMatrix1": 9,
+            "AnalogBalance": 3,
+            "DefaultScale": 2,
+        }.get(name, 1)
         extra = {} if name == "ColorMatrix1" else {"ColorMatrix1": WARM}
         yield f"division-{name}", dng([shot(**extra, **{name: ("as", (RATIONAL, [(5, 0)] * many))})])
         yield f"nothing-{name}", dng([shot(**extra, **{name: ("as", (RATIONAL, [(0, 7)] * many))})])
@@ -891,7 +1199,7 @@ def random(seed):
             stored_colours["AnalogBalance"] = [round(float(v), 3) for v in draw.uniform(0.7, 1.4, 3)]
     if chance(0.4):
         stored_colours["Orientation"] = int(draw.integers(1, 9))
-    size, part = (rows & ~1, columns & ~1), lambda n=1: area(*(int(v) for v in draw.integers(0, 6, 2)), height, width, 0, n, *(int(v) for v in draw.integers(1, 4, 2)))
+    size = rows & ~1, columns & ~1
     # Results of OpcodeList1 are rounded to stored values, whose steps must be small.
     if chance(0.25) and not floating and 14 <= bits <= 16:
         tags["OpcodeList1"] = as_list(random_opcodes(draw, height, width, 1))
@@ -930,7 +1238,9 @@ def random_opcodes(draw, height, width, planes):
         if kind == "gain":
             points = [int(v) for v in draw.integers(1, 6, 2)]
             maps = int(draw.integers(1, 4)) if planes > 1 else 1
-            data += gain_map(place, draw.uniform(0.7, 1.1, (*points, maps)), tuple(draw.uniform(0.1, 0.5, 2)), tuple(draw.uniform(0, 0.3, 2)), maps)
+            data += gain_map(
+                place, draw.uniform(0.7, 1.1, (*points, maps)), tuple(draw.uniform(0.1, 0.5, 2)), tuple(draw.uniform(0, 0.3, 2)), maps
+            )
         elif kind == "table":
             data += opcode(7, place + table(np.rint(65535 * np.linspace(0, 1, 65536) ** draw.uniform(0.9, 1.2))))
         else:

@@ -16,7 +16,7 @@ import tempfile
 import zlib
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -97,8 +97,14 @@ class Program:
 
     def run(self, *arguments):
         self.runs += 1
-        done = subprocess.run([self.edof, "reconstruct", *map(str, arguments)], capture_output=True, text=True, cwd=self.folder,
-                              stdin=subprocess.DEVNULL, timeout=300)
+        done = subprocess.run(
+            [self.edof, "reconstruct", *map(str, arguments)],
+            capture_output=True,
+            text=True,
+            cwd=self.folder,
+            stdin=subprocess.DEVNULL,
+            timeout=300,
+        )
         if done.returncode not in (0, 1, 2):
             raise Failed(f"exit status {done.returncode}: {done.stderr.strip()[-400:]}")
         return Done(done.returncode, done.stderr)
@@ -200,8 +206,10 @@ class Checker:
         if off.max() > case.tolerance:
             at = np.unravel_index(off.argmax(), off.shape)
             means = lambda p: " ".join(f"{v:.4f}" for v in p.reshape(-1, 3).mean(0))
-            raise Failed(f"off by up to {off.max():.5f} (mean {off.mean():.5f}) at row {at[0]}, column {at[1]}, "
-                         f"limit {case.tolerance}; means {means(picture)}, expected {means(ours)}")
+            raise Failed(
+                f"off by up to {off.max():.5f} (mean {off.mean():.5f}) at row {at[0]}, column {at[1]}, "
+                f"limit {case.tolerance}; means {means(picture)}, expected {means(ours)}"
+            )
 
     def harmless(self, found):
         """A picture with a tag is that without it."""
@@ -234,7 +242,9 @@ class Checker:
             for word in [name, *case.words]:
                 if word.lower() not in done.errors.lower():
                     raise Failed(f"'{word}' is not in: {done.errors.strip()}")
-            if case.help and not any(word in done.errors for word in ("convert", "expected", "use ", "--", "cut", "must", "only", "needs", "state ")):
+            if case.help and not any(
+                word in done.errors for word in ("convert", "expected", "use ", "--", "cut", "must", "only", "needs", "state ")
+            ):
                 raise Failed(f"nothing that helps in: {done.errors.strip()}")
 
         self.one("rejected", case.name, check, case.number)
@@ -311,8 +321,13 @@ def reports(checker):
     if not folder.is_dir():
         print(f"== NOT CHECKED: the files of public reports; there is no folder {folder} (EDOF_REPORTS)", file=sys.stderr)
         return
-    known = {"black-level-delta.dng": (0.300, 0.400, 0.501), "float16.dng": (0.3, 0.4, 0.5), "several-raws.dng": (0.3, 0.4, 0.5),
-             "illuminants-swapped.dng": (0.210, 0.386, 0.541), "foreign-sidecar.dng": (0.3, 0.4, 0.5)}
+    known = {
+        "black-level-delta.dng": (0.300, 0.400, 0.501),
+        "float16.dng": (0.3, 0.4, 0.5),
+        "several-raws.dng": (0.3, 0.4, 0.5),
+        "illuminants-swapped.dng": (0.210, 0.386, 0.541),
+        "foreign-sidecar.dng": (0.3, 0.4, 0.5),
+    }
     notes = {"several-raws.dng": "4 raw frames", "foreign-sidecar.dng": "foreign-sidecar.dng.json"}
     for file in sorted(folder.glob("*.dng*")):
         checker.write(file.name, file.read_bytes())
@@ -331,9 +346,9 @@ def reports(checker):
         checker.one("reports", name, check)
 
     def neutral():
-        refused = checker.program.run("neutral-zero.dng", *LINEAR, "--out", "neutral.png")
-        if refused.code == 0 or "AsShotNeutral" not in refused.errors or "white balance" not in refused.errors:
-            raise Failed(f"expected an error with AsShotNeutral and white balance: {refused.errors.strip()}")
+        rejected = checker.program.run("neutral-zero.dng", *LINEAR, "--out", "neutral.png")
+        if rejected.code == 0 or "AsShotNeutral" not in rejected.errors or "white balance" not in rejected.errors:
+            raise Failed(f"expected an error with AsShotNeutral and white balance: {rejected.errors.strip()}")
         done = checker.program.run("neutral-zero.dng", *LINEAR, "--white-balance", "1,1,1", "--out", "neutral.png")
         if done.code != 0:
             raise Failed(f"--white-balance does not help: {done.errors.strip()}")
@@ -428,8 +443,10 @@ def main():
     for failure in checker.failures:
         print(f"FAILED {failure}")
     print(f"LibRaw does not read: {', '.join(unread)}")
-    print(f"{sum(checker.passed.values())} checks passed ({', '.join(f'{n} {kind}' for kind, n in checker.passed.items())}), "
-          f"{len(checker.failures)} failed; {len(rows)} rows, {runs} runs; largest difference {checker.worst[0]:.5f} ({checker.worst[1]})")
+    print(
+        f"{sum(checker.passed.values())} checks passed ({', '.join(f'{n} {kind}' for kind, n in checker.passed.items())}), "
+        f"{len(checker.failures)} failed; {len(rows)} rows, {runs} runs; largest difference {checker.worst[0]:.5f} ({checker.worst[1]})"
+    )
     sys.exit(1 if checker.failures else 0)
 
 

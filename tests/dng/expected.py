@@ -1,7 +1,7 @@
 """What a DNG means, in NumPy from the specification (chapters 2, 5, 6 and 7) and docs/dng.md. A shot is a `write.Directory`."""
 
 import struct
-from math import atan, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -271,8 +271,28 @@ def bradford(source, target):
     return np.linalg.inv(cones) @ np.diag((cones @ target) / (cones @ source)) @ cones
 
 
-TEMPERATURES = {1: 5500, 2: 4150, 3: 2850, 4: 5500, 9: 5500, 10: 6500, 11: 7500, 12: 6400, 13: 5050, 14: 4150, 15: 3525, 16: 2925,
-                17: 2850, 18: 5500, 19: 6500, 20: 5500, 21: 6500, 22: 7500, 23: 5000, 24: 3200}
+TEMPERATURES = {
+    1: 5500,
+    2: 4150,
+    3: 2850,
+    4: 5500,
+    9: 5500,
+    10: 6500,
+    11: 7500,
+    12: 6400,
+    13: 5050,
+    14: 4150,
+    15: 3525,
+    16: 2925,
+    17: 2850,
+    18: 5500,
+    19: 6500,
+    20: 5500,
+    21: 6500,
+    22: 7500,
+    23: 5000,
+    24: 3200,
+}
 
 
 def temperature(shot_tags, index, order):
@@ -350,9 +370,16 @@ def cropped(picture, shot):
 
 def turned(picture, orientation):
     """By TIFF's Orientation: where the first row and the first column of the stored picture are seen."""
-    return {1: lambda p: p, 2: lambda p: p[:, ::-1], 3: lambda p: p[::-1, ::-1], 4: lambda p: p[::-1], 5: lambda p: p.transpose(1, 0, 2),
-            6: lambda p: p.transpose(1, 0, 2)[:, ::-1], 7: lambda p: p[::-1, ::-1].transpose(1, 0, 2),
-            8: lambda p: p.transpose(1, 0, 2)[::-1]}[orientation](picture)
+    return {
+        1: lambda p: p,
+        2: lambda p: p[:, ::-1],
+        3: lambda p: p[::-1, ::-1],
+        4: lambda p: p[::-1],
+        5: lambda p: p.transpose(1, 0, 2),
+        6: lambda p: p.transpose(1, 0, 2)[:, ::-1],
+        7: lambda p: p[::-1, ::-1].transpose(1, 0, 2),
+        8: lambda p: p.transpose(1, 0, 2)[::-1],
+    }[orientation](picture)
 
 
 def finished(reconstructed, shot, colours=None, order="<"):

@@ -9,32 +9,92 @@ import numpy as np
 BYTE, ASCII, SHORT, LONG, RATIONAL, SBYTE, UNDEFINED, SSHORT, SLONG, SRATIONAL, FLOAT, DOUBLE, IFD = range(1, 14)
 LONG8 = 16
 
-CODES = {BYTE: "B", ASCII: "s", SHORT: "H", LONG: "I", SBYTE: "b", UNDEFINED: "s", SSHORT: "h", SLONG: "i", FLOAT: "f", DOUBLE: "d",
-         IFD: "I", LONG8: "Q"}
+CODES = {
+    BYTE: "B",
+    ASCII: "s",
+    SHORT: "H",
+    LONG: "I",
+    SBYTE: "b",
+    UNDEFINED: "s",
+    SSHORT: "h",
+    SLONG: "i",
+    FLOAT: "f",
+    DOUBLE: "d",
+    IFD: "I",
+    LONG8: "Q",
+}
 
 # Tags that the oracle understands: number and type.
 TAGS = {
-    "NewSubFileType": (254, LONG), "SubfileType": (255, SHORT), "ImageWidth": (256, LONG), "ImageLength": (257, LONG),
-    "BitsPerSample": (258, SHORT), "Compression": (259, SHORT), "PhotometricInterpretation": (262, SHORT), "FillOrder": (266, SHORT),
-    "StripOffsets": (273, LONG), "Orientation": (274, SHORT), "SamplesPerPixel": (277, SHORT), "RowsPerStrip": (278, LONG),
-    "StripByteCounts": (279, LONG), "PlanarConfiguration": (284, SHORT), "Predictor": (317, SHORT), "TileWidth": (322, LONG),
-    "TileLength": (323, LONG), "TileOffsets": (324, LONG), "TileByteCounts": (325, LONG), "SubIFDs": (330, LONG),
-    "SampleFormat": (339, SHORT), "JPEGTables": (347, UNDEFINED), "CFARepeatPatternDim": (33421, SHORT), "CFAPattern": (33422, BYTE),
-    "DNGVersion": (50706, BYTE), "DNGBackwardVersion": (50707, BYTE), "UniqueCameraModel": (50708, ASCII), "CFAPlaneColor": (50710, BYTE),
-    "CFALayout": (50711, SHORT), "LinearizationTable": (50712, SHORT), "BlackLevelRepeatDim": (50713, SHORT),
-    "BlackLevel": (50714, RATIONAL), "BlackLevelDeltaH": (50715, SRATIONAL), "BlackLevelDeltaV": (50716, SRATIONAL),
-    "WhiteLevel": (50717, LONG), "DefaultScale": (50718, RATIONAL), "DefaultCropOrigin": (50719, RATIONAL),
-    "DefaultCropSize": (50720, RATIONAL), "ColorMatrix1": (50721, SRATIONAL), "ColorMatrix2": (50722, SRATIONAL),
-    "CameraCalibration1": (50723, SRATIONAL), "CameraCalibration2": (50724, SRATIONAL), "AnalogBalance": (50727, RATIONAL),
-    "AsShotNeutral": (50728, RATIONAL), "AsShotWhiteXY": (50729, RATIONAL), "BaselineExposure": (50730, SRATIONAL),
-    "CalibrationIlluminant1": (50778, SHORT), "CalibrationIlluminant2": (50779, SHORT), "ActiveArea": (50829, LONG),
-    "MaskedAreas": (50830, LONG), "ColorimetricReference": (50879, SHORT), "CameraCalibrationSignature": (50931, BYTE),
-    "ProfileCalibrationSignature": (50932, BYTE), "ForwardMatrix1": (50964, SRATIONAL), "ForwardMatrix2": (50965, SRATIONAL),
-    "SubTileBlockSize": (50974, LONG), "RowInterleaveFactor": (50975, LONG), "OpcodeList1": (51008, UNDEFINED),
-    "OpcodeList2": (51009, UNDEFINED), "OpcodeList3": (51022, UNDEFINED), "DefaultUserCrop": (51125, RATIONAL),
-    "CalibrationIlluminant3": (52529, SHORT), "CameraCalibration3": (52530, SRATIONAL), "ColorMatrix3": (52531, SRATIONAL),
-    "ForwardMatrix3": (52532, SRATIONAL), "IlluminantData1": (52533, UNDEFINED), "IlluminantData2": (52534, UNDEFINED),
-    "IlluminantData3": (52535, UNDEFINED), "ColumnInterleaveFactor": (52547, LONG),
+    "NewSubFileType": (254, LONG),
+    "SubfileType": (255, SHORT),
+    "ImageWidth": (256, LONG),
+    "ImageLength": (257, LONG),
+    "BitsPerSample": (258, SHORT),
+    "Compression": (259, SHORT),
+    "PhotometricInterpretation": (262, SHORT),
+    "FillOrder": (266, SHORT),
+    "StripOffsets": (273, LONG),
+    "Orientation": (274, SHORT),
+    "SamplesPerPixel": (277, SHORT),
+    "RowsPerStrip": (278, LONG),
+    "StripByteCounts": (279, LONG),
+    "PlanarConfiguration": (284, SHORT),
+    "Predictor": (317, SHORT),
+    "TileWidth": (322, LONG),
+    "TileLength": (323, LONG),
+    "TileOffsets": (324, LONG),
+    "TileByteCounts": (325, LONG),
+    "SubIFDs": (330, LONG),
+    "SampleFormat": (339, SHORT),
+    "JPEGTables": (347, UNDEFINED),
+    "CFARepeatPatternDim": (33421, SHORT),
+    "CFAPattern": (33422, BYTE),
+    "DNGVersion": (50706, BYTE),
+    "DNGBackwardVersion": (50707, BYTE),
+    "UniqueCameraModel": (50708, ASCII),
+    "CFAPlaneColor": (50710, BYTE),
+    "CFALayout": (50711, SHORT),
+    "LinearizationTable": (50712, SHORT),
+    "BlackLevelRepeatDim": (50713, SHORT),
+    "BlackLevel": (50714, RATIONAL),
+    "BlackLevelDeltaH": (50715, SRATIONAL),
+    "BlackLevelDeltaV": (50716, SRATIONAL),
+    "WhiteLevel": (50717, LONG),
+    "DefaultScale": (50718, RATIONAL),
+    "DefaultCropOrigin": (50719, RATIONAL),
+    "DefaultCropSize": (50720, RATIONAL),
+    "ColorMatrix1": (50721, SRATIONAL),
+    "ColorMatrix2": (50722, SRATIONAL),
+    "CameraCalibration1": (50723, SRATIONAL),
+    "CameraCalibration2": (50724, SRATIONAL),
+    "AnalogBalance": (50727, RATIONAL),
+    "AsShotNeutral": (50728, RATIONAL),
+    "AsShotWhiteXY": (50729, RATIONAL),
+    "BaselineExposure": (50730, SRATIONAL),
+    "CalibrationIlluminant1": (50778, SHORT),
+    "CalibrationIlluminant2": (50779, SHORT),
+    "ActiveArea": (50829, LONG),
+    "MaskedAreas": (50830, LONG),
+    "ColorimetricReference": (50879, SHORT),
+    "CameraCalibrationSignature": (50931, BYTE),
+    "ProfileCalibrationSignature": (50932, BYTE),
+    "ForwardMatrix1": (50964, SRATIONAL),
+    "ForwardMatrix2": (50965, SRATIONAL),
+    "SubTileBlockSize": (50974, LONG),
+    "RowInterleaveFactor": (50975, LONG),
+    "OpcodeList1": (51008, UNDEFINED),
+    "OpcodeList2": (51009, UNDEFINED),
+    "OpcodeList3": (51022, UNDEFINED),
+    "DefaultUserCrop": (51125, RATIONAL),
+    "CalibrationIlluminant3": (52529, SHORT),
+    "CameraCalibration3": (52530, SRATIONAL),
+    "ColorMatrix3": (52531, SRATIONAL),
+    "ForwardMatrix3": (52532, SRATIONAL),
+    "IlluminantData1": (52533, UNDEFINED),
+    "IlluminantData2": (52534, UNDEFINED),
+    "IlluminantData3": (52535, UNDEFINED),
+    "ColumnInterleaveFactor": (52547, LONG),
 }
 DENOMINATOR = 1_000_000
 
@@ -135,8 +195,14 @@ class Writer:
         places = [self.put(part) for part in parts]
         lengths = [len(part) for part in parts]
         floating = directory.stored.dtype.kind == "f"
-        tags = {"ImageWidth": width, "ImageLength": height, "BitsPerSample": directory.bits, "Compression": directory.compression,
-                "PhotometricInterpretation": 32803, "SamplesPerPixel": 1}
+        tags = {
+            "ImageWidth": width,
+            "ImageLength": height,
+            "BitsPerSample": directory.bits,
+            "Compression": directory.compression,
+            "PhotometricInterpretation": 32803,
+            "SamplesPerPixel": 1,
+        }
         if floating:
             tags["SampleFormat"] = 3
         if tiled:
@@ -246,8 +312,16 @@ def scan_data(samples, bits, predictor, restart):
                 else:
                     left, above = int(samples[row, column - 1, component]), int(samples[row - 1, column, component])
                     corner = int(samples[row - 1, column - 1, component])
-                    predicted = [0, left, above, corner, left + above - corner, left + (above - corner >> 1),
-                                 above + (left - corner >> 1), left + above >> 1][predictor]
+                    predicted = [
+                        0,
+                        left,
+                        above,
+                        corner,
+                        left + above - corner,
+                        left + (above - corner >> 1),
+                        above + (left - corner >> 1),
+                        left + above >> 1,
+                    ][predictor]
                 difference = (value - predicted + 32768) % 65536 - 32768
                 if difference == -32768:
                     text.append(f"{16:05b}")
