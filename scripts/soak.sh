@@ -44,6 +44,7 @@ route           scripts/test-route.sh
 litex           scripts/test-litex.sh
 litex-target    scripts/test-litex-target.sh
 peers           scripts/test-peers.sh
+dng             scripts/test-dng.sh --random 5000 --seed 1000
 gpu             scripts/test-gpu.sh
 proofs          scripts/prove.sh --all
 mutants-1       scripts/mutants.sh --draw 100 --seed 2018 --core

@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# The page docs/dng.md against the program: tests/dng writes DNGs of every tag, computes their pictures in NumPy from the DNG
+# specification, and compares them with those of the real `edof reconstruct`; LibRaw reads the same files. Arguments go on to check.py;
+# the program is built if it is not given as EDOF.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+source scripts/prepare.sh
+need_python
+
+if [ -z "${EDOF:-}" ]; then
+    cargo build -q -p edof-cli --locked
+    EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
+fi
+pins=tests/dng/requirements.txt
+environment=${CARGO_TARGET_DIR:-target}/dng
+if ! cmp -s "$pins" "$environment/requirements.txt"; then
+    say "installing NumPy, LibRaw and tifffile under $environment"
+    python3 -m venv --clear "$environment"
+    "$environment/bin/pip" install -q -r "$pins"
+    cp "$pins" "$environment/requirements.txt"
+fi
+"$environment/bin/python" -B tests/dng/check.py "$EDOF" "$@"
