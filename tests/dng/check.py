@@ -9,149 +9,49 @@ orientation) done by NumPy. LibRaw reads the same files, where it reads their ki
 
 import argparse
 import os
-import struct
 import subprocess
 import sys
 import tempfile
-import zlib
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
+from threading import Lock
 
 import numpy as np
 
-import cases
 import expected
+import messages
+import strange
+from harmless import harmless
+from honoured import honoured
 from pages import check_registry, page_rows
+from png import read_png, write_png
+from program import LINEAR, Failed, Program
+from random_shots import random
+from scenes import TOLERANCE, Rejection, plain
 from write import dng
 
 PROJECT = Path(__file__).resolve().parents[2]
-LINEAR = ["--gamma", "linear", "--bits", "16"]
-BATCH = 120
-
-
-# PNG, 16 bits
-
-
-def write_png(path, words):
-    height, width = words.shape
-    rows = b"".join(b"\0" + row.astype(">u2").tobytes() for row in words)
-    chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    header = struct.pack(">IIBBBBB", width, height, 16, 0, 0, 0, 0)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows, 1)) + chunk(b"IEND", b""))
-
-
-def read_png(path):
-    """Numbers 0 to 1 of a picture of 16-bit RGB (PNG specification, filters 0 to 4)."""
-    data, at, packed = path.read_bytes(), 8, b""
-    while at < len(data):
-        length, kind = struct.unpack_from(">I4s", data, at)
-        if kind == b"IHDR":
-            width, height, depth, colour, *_, interlace = struct.unpack_from(">IIBBBBB", data, at + 8)
-            assert (depth, colour, interlace) == (16, 2, 0), path
-        if kind == b"IDAT":
-            packed += data[at + 8 : at + 8 + length]
-        at += 12 + length
-    lines = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + 6 * width)
-    above, out = np.zeros((width, 6), np.uint8), []
-    for line in lines:
-        row = line[1:].reshape(width, 6).copy()
-        if line[0] == 1:
-            row = np.cumsum(row, axis=0, dtype=np.uint8)
-        elif line[0] == 2:
-            row += above
-        elif line[0] in (3, 4):
-            left = corner = np.zeros(6, np.int64)
-            for x in range(width):
-                up = above[x].astype(np.int64)
-                if line[0] == 3:
-                    guess = (left + up) // 2
-                else:
-                    base = left + up - corner
-                    a, b, c = abs(base - left), abs(base - up), abs(base - corner)
-                    guess = np.where((a <= b) & (a <= c), left, np.where(b <= c, up, corner))
-                row[x] += guess.astype(np.uint8)
-                left, corner = row[x].astype(np.int64), up
-        above = row
-        out.append(row)
-    return np.stack(out).reshape(height, width, 3, 2).copy().view(">u2")[..., 0].astype(np.float64) / 65535
-
-
-# The program
-
-
-@dataclass
-class Done:
-    code: int
-    errors: str
-
-    @property
-    def lines(self):
-        return [line for line in self.errors.splitlines() if line.strip()]
-
-
-class Program:
-    def __init__(self, edof, folder):
-        self.edof, self.folder, self.runs = edof, Path(folder), 0
-
-    def run(self, *arguments):
-        self.runs += 1
-        done = subprocess.run(
-            [self.edof, "reconstruct", *map(str, arguments)],
-            capture_output=True,
-            text=True,
-            cwd=self.folder,
-            stdin=subprocess.DEVNULL,
-            timeout=300,
-        )
-        if done.returncode not in (0, 1, 2):
-            raise Failed(f"exit status {done.returncode}: {done.stderr.strip()[-400:]}")
-        return Done(done.returncode, done.stderr)
-
-    def pictures(self, files, *options):
-        """Pictures of files in as few runs as possible; a text in the place of one that fails."""
-        found = {}
-        for start in range(0, len(files), BATCH):
-            found |= self.batch(files[start : start + BATCH], *options)
-        return found
-
-    def batch(self, files, *options):
-        out = Path(tempfile.mkdtemp(dir=self.folder))
-        if not files:
-            return {}
-        try:
-            done = self.run(*files, *LINEAR, *options, "-q", "--out", f"{out}/")
-            trouble = done.errors.strip()
-        except Failed as failure:
-            done, trouble = Done(101, str(failure)), str(failure)
-        if done.code == 0:
-            return {file: read_png(out / (Path(file).stem + ".png")) for file in files}
-        if len(files) == 1:
-            return {files[0]: trouble}
-        middle = len(files) // 2
-        return self.batch(files[:middle], *options) | self.batch(files[middle:], *options)
-
-
-class Failed(Exception):
-    pass
 
 
 class Checker:
     def __init__(self, program):
         self.program, self.failures, self.passed = program, [], Counter()
-        self.covered, self.worst = {}, (0.0, "")
+        self.covered, self.worst, self.lock = {}, (0.0, ""), Lock()
 
     def fail(self, what):
         self.failures.append(what)
 
     def one(self, kind, name, check, *numbers):
-        """A check, counted for its rows."""
-        for number in numbers:
-            self.covered.setdefault(number, set()).add(kind)
+        """A check, counted for its rows; 0 is no row."""
+        with self.lock:
+            for number in filter(None, numbers):
+                self.covered.setdefault(number, set()).add(kind)
         try:
             check()
-            self.passed[kind] += 1
+            with self.lock:
+                self.passed[kind] += 1
         except Failed as failure:
             self.fail(f"{kind}: {name}: {failure}")
         except subprocess.TimeoutExpired:
@@ -201,7 +101,7 @@ class Checker:
         if below.mean() > 0.2:
             raise Failed(f"{below.mean():.0%} of the scene is too dark to compare")
         off = np.where(below, 0, np.abs(ours - picture))
-        if case.tolerance <= cases.TOLERANCE and off.max() > self.worst[0]:
+        if case.tolerance <= TOLERANCE and off.max() > self.worst[0]:
             self.worst = off.max(), case.name
         if off.max() > case.tolerance:
             at = np.unravel_index(off.argmax(), off.shape)
@@ -213,7 +113,7 @@ class Checker:
 
     def harmless(self, found):
         """A picture with a tag is that without it."""
-        base = self.write("harmless.dng", cases.plain().file())
+        base = self.write("harmless.dng", plain().file())
         names = [self.write(f"harmless-{case.name}.dng", case.data) for case in found]
         pictures = self.program.pictures([base, *names])
         for case, name in zip(found, names):
@@ -271,7 +171,7 @@ class Checker:
 
 def names_and_cuts(checker):
     """A DNG is known by its content; a file that is cut is an error that says so, wherever it is cut."""
-    data = cases.plain().file()
+    data = plain().file()
     reference = None
     for ending in (".dng", ".DNG", ".tif", ".tiff", ".png", ".bin", ""):
         name = checker.write(f"by-content{ending.replace('.', '-')}x{ending}", data)
@@ -285,14 +185,13 @@ def names_and_cuts(checker):
                 raise Failed("another picture than that of the file with .dng")
 
         checker.one("by content", name, check, 50706)
-    for label, directories, order, big in cases.cut_files():
+    for label, directories, order, big in strange.cut_files():
         cuts = []
         data = dng(directories, order, big, cuts)
         places = sorted({at + off for at in cuts for off in (-1, -3) if 0 < at + off < len(data)} | {9, 12, 20})
         for place in places:
-            case = cases.Rejection(f"cut-{label}-{place}", data[:place], 0, ["cut"], help=False)
+            case = Rejection(f"cut-{label}-{place}", data[:place], 0, ["cut"], help=False)
             checker.rejected(case)
-        checker.covered.pop(0, None)
 
 
 def crashes(checker, seed):
@@ -312,7 +211,7 @@ def crashes(checker, seed):
 
         checker.one("no crash", name, run)
 
-    checker.group(check, [*cases.strange(), *((f"mutated-{s}", cases.mutated(s)) for s in range(seed, seed + 150))])
+    checker.group(check, [*strange.strange(), *((f"mutated-{s}", strange.mutated(s)) for s in range(seed, seed + 150))])
 
 
 def reports(checker):
@@ -358,7 +257,7 @@ def reports(checker):
 
 def useless_options(checker):
     """Options of headerless files next to a DNG."""
-    name = checker.write("plain-options.dng", cases.plain().file())
+    name = checker.write("plain-options.dng", plain().file())
     for option in (["--size", "48x32"], ["--bit-depth", "16"], ["--align", "top"], ["--video"], ["--packing", "words"], ["--order", "big"]):
 
         def check():
@@ -425,12 +324,12 @@ def main():
     rows = page_rows(PROJECT / "docs/dng.md")
     with tempfile.TemporaryDirectory() as folder:
         checker = Checker(Program(str(Path(arguments.edof).resolve()), folder))
-        found = cases.honoured()
+        found = honoured()
         checker.honoured(found)
         unread = libraw(checker, found)
-        checker.harmless(cases.harmless(rows))
-        checker.group(checker.rejected, cases.rejected() + cases.unreadable(rows))
-        checker.group(checker.noted, cases.noted())
+        checker.harmless(harmless(rows))
+        checker.group(checker.rejected, messages.rejected() + messages.unreadable(rows))
+        checker.group(checker.noted, messages.noted())
         names_and_cuts(checker)
         crashes(checker, arguments.seed)
         reports(checker)
@@ -438,7 +337,7 @@ def main():
         completeness(checker, rows)
         for start in range(0, arguments.random, 200):
             seeds = range(arguments.seed + start, arguments.seed + min(start + 200, arguments.random))
-            checker.honoured([cases.random(seed) for seed in seeds])
+            checker.honoured([random(seed) for seed in seeds])
         runs = checker.program.runs
     for failure in checker.failures:
         print(f"FAILED {failure}")
