@@ -174,6 +174,7 @@ fn is_of(kind: Kind, option: &str, file: &Path) -> Result<(), Error> {
 
 /// One name for a file, whatever links lead to it; the file need not be there yet.
 fn canonical(file: &Path) -> PathBuf {
+    let file = &atomic::target(file).unwrap_or_else(|_| file.to_owned());
     file.canonicalize().unwrap_or_else(|_| match (file.parent(), file.file_name()) {
         (Some(folder), Some(name)) if folder.as_os_str().is_empty() => canonical(Path::new(".")).join(name),
         (Some(folder), Some(name)) => canonical(folder).join(name),
