@@ -178,7 +178,8 @@ fn or_here(folder: &Path) -> &Path {
 }
 
 /// Whether a path leads to a device, a pipe, or a file that this process has open already (`/dev/stdout > file`).
-fn is_device(path: &Path) -> bool {
+#[must_use]
+pub fn is_device(path: &Path) -> bool {
     descriptor(path).is_some() || std::fs::metadata(path).is_ok_and(|what| !what.is_file() && !what.is_dir())
 }
 
