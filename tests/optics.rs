@@ -14,6 +14,23 @@ fn json(text: &str) -> Value {
 }
 
 #[test]
+fn a_mask_that_throws_light_beyond_any_grid_is_refused_and_writes_nothing() {
+    let place = Place::new();
+    place.photo("photo.png", 64, 48);
+    let profile = "{\"profile\": {\"at_nm\": 535, \"points\": [[0, 0], [1, 3600]]},";
+    place.write("steep.json", include_str!("../cameras/clear.json").replacen('{', profile, 1));
+    let before = place.snapshot();
+    let said = "psi 3: camera clear throws 100 % of the light more than 512 pixels from the centre, the farthest that is computed; \
+                use less defocus or larger pixels, a weaker profile";
+    for line in
+        ["capture photo.png --camera steep.json --psi 3 --out o.png", "optics steep.json --psi 3 --out o"]
+    {
+        place.edof(line).refused(&[said]);
+    }
+    assert!(place.snapshot() == before);
+}
+
+#[test]
 fn a_camera_is_shown_in_figures_and_numbers() {
     let place = Place::new();
     let run =

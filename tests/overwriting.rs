@@ -18,6 +18,7 @@ fn ready() -> Place {
     place.raw("mask.png", 32, 32);
     place.write("design.json", include_str!("../designs/tiny.json"));
     std::os::unix::fs::symlink("raw.png", place.path("link.png")).unwrap();
+    std::os::unix::fs::symlink("new.json", place.path("new-link.json")).unwrap();
     place
 }
 
@@ -107,6 +108,7 @@ fn no_output_replaces_another() {
         "scene chart --out drawn --json drawn/sharp.png".to_owned(),
         "optics --out figures --json figures/mtf.svg".to_owned(),
         "optics design --out x.json --json x.json".to_owned(),
+        "optics design --out new-link.json --json new.json".to_owned(),
         "quantize net.safetensors --out x --json x".to_owned(),
         "study kodak --nets net.safetensors --images photos --report x --json x".to_owned(),
         "study single-depth --rows x --markdown x --images photos --nets net.safetensors".to_owned(),

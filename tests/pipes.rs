@@ -66,6 +66,17 @@ fn results_go_through_pipes_that_a_shell_opened_and_through_no_other() {
     bash(&place, "edof estimate --design tiny --json >(cat > told.json); sleep 0.5").done();
     assert!(std::fs::read_to_string(place.path("told.json")).unwrap().contains("provenance"));
     place.edof("estimate --design tiny --json /dev/null").done();
+    // A file that a shell opened is continued, and what is printed besides stays.
+    bash(&place, "echo before > all; edof estimate --design tiny --json /dev/stdout >> all; edof estimate --design tiny --json /dev/fd/1 > one").done();
+    for (file, before) in [("all", "before\n"), ("one", "")] {
+        let text = std::fs::read_to_string(place.path(file)).unwrap();
+        let (printed, json) = text.split_once("\n{\n").unwrap_or_else(|| panic!("{file}: {text}"));
+        assert!(
+            printed.starts_with(before) && printed.contains("cycles") && json.ends_with("}\n"),
+            "{file}: {text}"
+        );
+        std::fs::remove_file(place.path(file)).unwrap();
+    }
     std::fs::remove_file(place.path("told.json")).unwrap();
     let before = place.snapshot();
     for (line, file) in [

@@ -21,6 +21,7 @@ mod overwriting;
 mod photograph;
 mod pipes;
 mod playout;
+mod process_limit;
 mod prose;
 mod provenance;
 mod saturations;

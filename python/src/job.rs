@@ -27,7 +27,10 @@ pub fn run<T: Send + 'static>(
     let (sender, mut receiver) = channel();
     let seen = Arc::clone(&stop);
     // A receiver that has gone away has no use for the result.
-    std::thread::spawn(move || drop(sender.send(catch_unwind(AssertUnwindSafe(|| work(&seen))))));
+    let job = move || drop(sender.send(catch_unwind(AssertUnwindSafe(|| work(&seen)))));
+    std::thread::Builder::new().spawn(job).map_err(|error| {
+        PyRuntimeError::new_err(format!("cannot start a thread: {}", edof_storage::atomic::reason(&error)))
+    })?;
     loop {
         let receiver = &mut receiver;
         match py.detach(move || receiver.recv_timeout(TICK)) {

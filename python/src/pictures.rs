@@ -74,5 +74,5 @@ pub fn psnr<'py>(
     if height <= 2 * border || width <= 2 * border {
         return Err(failed(format!("border {border}: leaves nothing of {height} rows x {width} columns")));
     }
-    Ok(py.detach(|| edof_metrics::psnr(&truth, &estimate, border)))
+    py.detach(|| edof_metrics::psnr(&truth, &estimate, border)).or_raise()
 }

@@ -208,7 +208,7 @@ pub struct Aberration {
 const MAX_NOLL: u32 = 66;
 const MAX_RMS_NM: f64 = 10_000.0;
 /// The highest mask, micrometres.
-const MAX_HEIGHT_UM: f64 = 100.0;
+pub const MAX_HEIGHT_UM: f64 = 100.0;
 /// Most points of a profile.
 const MAX_POINTS: usize = 4096;
 

@@ -121,7 +121,7 @@ impl Files {
         let read: Vec<(&PathBuf, PathBuf)> = self.read.iter().map(|file| (file, canonical(file))).collect();
         let mut seen: Vec<(&str, PathBuf)> = vec![];
         for (option, file, _) in &self.written {
-            if is_device(file) {
+            if atomic::is_device(file) {
                 continue;
             }
             let shown = file.display();
@@ -149,7 +149,8 @@ impl Files {
 
 /// Rejects a result that is there already. An empty file holds nothing that could be lost.
 fn is_new(kind: Kind, option: &str, file: &Path) -> Result<(), Error> {
-    if !std::fs::metadata(file).is_ok_and(|what| what.is_file() && what.len() > 0) {
+    if atomic::is_device(file) || !std::fs::metadata(file).is_ok_and(|what| what.is_file() && what.len() > 0)
+    {
         return Ok(());
     }
     let of_earlier_run = || match kind.refusal(file) {
@@ -165,7 +166,8 @@ fn is_new(kind: Kind, option: &str, file: &Path) -> Result<(), Error> {
 
 /// Rejects a file that is there and is of another kind than what would replace it.
 fn is_of(kind: Kind, option: &str, file: &Path) -> Result<(), Error> {
-    let Some(content) = kind.refusal(file) else { return Ok(()) };
+    let refusal = if atomic::is_device(file) { None } else { kind.refusal(file) };
+    let Some(content) = refusal else { return Ok(()) };
     let shown = file.display();
     Err(Error::message(format!(
         "{option} {shown}: would replace {content}, and writes {kind}; name another file, or delete this one first"
@@ -174,6 +176,7 @@ fn is_of(kind: Kind, option: &str, file: &Path) -> Result<(), Error> {
 
 /// One name for a file, whatever links lead to it; the file need not be there yet.
 fn canonical(file: &Path) -> PathBuf {
+    let file = &atomic::target(file).unwrap_or_else(|_| file.to_owned());
     file.canonicalize().unwrap_or_else(|_| match (file.parent(), file.file_name()) {
         (Some(folder), Some(name)) if folder.as_os_str().is_empty() => canonical(Path::new(".")).join(name),
         (Some(folder), Some(name)) => canonical(folder).join(name),
@@ -184,11 +187,6 @@ fn canonical(file: &Path) -> PathBuf {
 /// Whether a name that no folder has ends as those of folders do.
 fn is_named_as_folder(file: &Path) -> bool {
     file.as_os_str().as_encoded_bytes().ends_with(b"/") && !file.is_dir()
-}
-
-/// Devices and pipes keep nothing that could be lost.
-fn is_device(file: &Path) -> bool {
-    std::fs::metadata(file).is_ok_and(|what| !what.is_file() && !what.is_dir())
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! write like any other.
 
 use crate::error::Error;
-use crate::ui;
+use crate::{threads, ui};
 use edof_cosim::tool;
 use edof_storage::atomic;
 use std::ops::ControlFlow;
@@ -22,18 +22,44 @@ const GRACE: Duration = Duration::from_millis(500);
 /// # Errors
 /// When the system has no signal handler to give.
 pub fn install() -> Result<(), Error> {
-    ctrlc::set_handler(|| {
-        if STOP.swap(true, Ordering::SeqCst) {
-            end();
-        }
-        std::thread::spawn(|| {
-            std::thread::sleep(GRACE);
-            end();
-        });
-    })?;
+    // The handler waits on a thread. Where none can be started, the first signal sets the flag and a second one ends the program.
+    match threads::is_one_left() {
+        true => ctrlc::set_handler(stop)?,
+        false => without_threads()?,
+    }
     #[cfg(unix)]
     signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
     Ok(())
+}
+
+/// Asks the work to stop, and ends the program if it does not in time.
+fn stop() {
+    if STOP.swap(true, Ordering::SeqCst) {
+        end();
+    }
+    let late = || {
+        std::thread::sleep(GRACE);
+        end();
+    };
+    if std::thread::Builder::new().spawn(late).is_err() {
+        late();
+    }
+}
+
+#[cfg(unix)]
+fn without_threads() -> Result<(), Error> {
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    for signal in [SIGINT, SIGTERM] {
+        let status = Error::Interrupted.exit_code().into();
+        signal_hook::flag::register_conditional_shutdown(signal, status, &STOP)?;
+        signal_hook::flag::register(signal, &STOP)?;
+    }
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn without_threads() -> Result<(), Error> {
+    Ok(ctrlc::set_handler(stop)?)
 }
 
 /// What is kept of the work, and how to continue: said when the work is stopped, in time or not.

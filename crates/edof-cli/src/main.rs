@@ -7,6 +7,7 @@
 //! | the one line that a failure prints | [`error`] |
 //! | no output replaces an input or another output | [`files`] |
 //! | Ctrl-C | [`interrupt`] |
+//! | as many threads as the system lets start | [`threads`] |
 //! | whether a job fits the machine | [`memory`] |
 //! | photographs, of even sides | [`pictures`] |
 //! | what is written about a run into its results | [`provenance`] |
@@ -40,6 +41,7 @@ mod pictures;
 mod provenance;
 mod said;
 mod scene_file;
+mod threads;
 mod ui;
 mod usage;
 mod windows;
@@ -167,6 +169,7 @@ fn run() -> Result<(), Error> {
     interrupt::install()?;
     let made = (provenance::of_run(&matches, &command), provenance::whole_command(&matches, &command));
     let ui = Ui::new(cli.json, cli.quiet, cli.progress, made.0, made.1);
+    threads::install();
     effects::check(&matches, &command).map_err(|error| match cli.command {
         Command::Board(_) => commands::board::reported(error, &ui),
         _ => error,

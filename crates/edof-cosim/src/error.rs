@@ -1,5 +1,6 @@
 //! What can go wrong between Verilog text and a simulation's outputs.
 
+use edof_storage::atomic::reason;
 use std::path::{Path, PathBuf};
 
 /// Why a design was not built, run, checked or mapped.
@@ -12,6 +13,9 @@ pub enum Error {
         package(tool)
     )]
     ToolMissing { tool: String },
+    /// A program that the system does not start.
+    #[error("{tool}: cannot start: {}", reason(source))]
+    NotStarted { tool: String, source: std::io::Error },
     /// A program rejected its input; the lines are its own, with file and line where it gave them.
     #[error("{tool} failed: {}", lines.join("; "))]
     ToolFailed { tool: String, lines: Vec<String> },

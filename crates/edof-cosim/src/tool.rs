@@ -25,7 +25,7 @@ pub fn output(command: &mut Command) -> Result<Output, Error> {
     }
     to_the_end(command).map_err(|error| match error.kind() {
         ErrorKind::NotFound => Error::ToolMissing { tool },
-        _ => Error::File { path: tool.into(), source: error },
+        _ => Error::NotStarted { tool, source: error },
     })
 }
 

@@ -4,7 +4,7 @@ use crate::common::{committed, networks};
 use crate::differential::{RESET, agree, agree_with_images, bit, ported, resets, word};
 use edof_device::Design;
 use edof_device::design::memory::{self, Shifts, Space};
-use edof_device::design::reading;
+use edof_device::design::{StagePlan, reading};
 use edof_hdl::blocks::add::Add;
 use edof_hdl::blocks::base_ring::BaseRing;
 use edof_hdl::blocks::counters::Counters;
@@ -282,9 +282,20 @@ fn dense_store() {
 
 #[test]
 fn window_ring() {
-    let stage = committed("tiny").stage(3);
+    let mut deep = committed("tiny");
+    deep.form.layers = 6;
+    deep.stages.insert(1, deep.stages[1]);
+    deep.stages.insert(1, deep.stages[1]);
+    for (stage, filled) in [(committed("tiny").stage(3), 1200), (deep.stage(5), 2500)] {
+        window_ring_of(&stage, filled);
+    }
+}
+
+/// A ring that is full after so many cycles.
+fn window_ring_of(stage: &StagePlan, filled: u64) {
     let (beats, places) = (stage.linear as u64 / 2, stage.kept_windows as u64);
-    agree(WindowRing::new(&stage), RESET as usize + 1500, &[], move |b, draw, last| {
+    assert!(beats * places < filled);
+    agree(WindowRing::new(stage), RESET as usize + filled as usize + 300, &[], move |b, draw, last| {
         b.reset.next = resets(last, draw);
         let beat = last.count(|last| last.all(&["valid", "ready"]) && !last.is("reset"));
         let freed = last.count_too(|last| last.is("finished"));
@@ -294,8 +305,8 @@ fn window_ring() {
         b.read_pair.next = (draw.whole(0, beats as i64 - 1) as u64).into();
         // The memory fills before anything is compared.
         b.finished.next = beat / beats > freed
-            && (beat / beats > places / 2 || last.cycle > 1400)
-            && last.cycle > 1200
+            && (beat / beats > places / 2 || last.cycle > filled + 200)
+            && last.cycle > filled
             && draw.whole(0, 30) == 0;
     });
 }

@@ -13,10 +13,19 @@ pub struct Mat<'a, T = f32> {
 }
 
 impl<'a, T> Mat<'a, T> {
-    /// A `rows`×`columns` matrix over the first rows·columns numbers of `values`.
+    /// Returns a `rows`×`columns` matrix over the first rows·columns numbers of `values`.
+    ///
+    /// # Panics
+    /// If `values` is too short: a mistake of the caller, never of its input.
     #[must_use]
     pub fn new(values: &'a [T], rows: usize, columns: usize) -> Self {
-        Self { values: &values[..rows * columns], rows, columns, row_stride: columns, column_stride: 1 }
+        Self {
+            values: &values[..length(rows, columns)],
+            rows,
+            columns,
+            row_stride: columns,
+            column_stride: 1,
+        }
     }
 
     /// Rows of the matrix.
@@ -38,6 +47,15 @@ impl<'a, T> Mat<'a, T> {
     }
 }
 
+/// Numbers of a `rows`×`columns` matrix.
+///
+/// # Panics
+/// If the count overflows: then no slice is as long, and a wrapped count would let a short one pass.
+fn length(rows: usize, columns: usize) -> usize {
+    let count = rows.checked_mul(columns);
+    count.unwrap_or_else(|| panic!("a matrix of {rows} x {columns} numbers is larger than memory"))
+}
+
 /// What becomes of the numbers that a product's destination holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Destination {
@@ -53,7 +71,7 @@ pub enum Destination {
 /// If the inner sides differ or `out` is too short: a mistake of the caller, never of its input.
 pub fn product<T: Real>(out: &mut [T], destination: Destination, a: Mat<'_, T>, b: Mat<'_, T>) {
     assert_eq!(a.columns, b.rows, "inner sides differ");
-    let out = &mut out[..a.rows * b.columns];
+    let out = &mut out[..length(a.rows, b.columns)];
     let add = destination == Destination::Accumulate;
     // SAFETY: `Mat` holds exactly rows·columns numbers and its strides address each of them once; `out` was just cut to
     // a.rows·b.columns numbers and is not shared.
@@ -95,6 +113,41 @@ mod tests {
                 (0..b.columns).map(move |c| (0..a.columns).map(|i| at(a, r, i) * at(b, i, c)).sum())
             })
             .collect()
+    }
+
+    #[test]
+    #[should_panic(expected = "larger than memory")]
+    fn a_matrix_whose_size_overflows_is_rejected() {
+        let _ = Mat::new(&[0.0f32; 4], usize::MAX / 2 + 1, 2);
+    }
+
+    #[test]
+    #[should_panic(expected = "out of range")]
+    fn a_matrix_of_too_few_numbers_is_rejected() {
+        let _ = Mat::new(&[0.0f32; 5], 2, 3);
+    }
+
+    #[test]
+    #[should_panic(expected = "inner sides differ")]
+    fn a_product_of_unequal_inner_sides_is_rejected() {
+        let values = [1.0f32; 6];
+        product(&mut [0.0; 9], Destination::Replace, Mat::new(&values, 2, 3), Mat::new(&values, 2, 3));
+    }
+
+    #[test]
+    #[should_panic(expected = "out of range")]
+    fn a_product_into_too_few_numbers_is_rejected() {
+        let values = [1.0f32; 6];
+        product(&mut [0.0; 3], Destination::Replace, Mat::new(&values, 2, 3), Mat::new(&values, 3, 2));
+    }
+
+    /// Both factors are matrices without numbers, whose sides multiply to more than memory holds.
+    #[test]
+    #[should_panic(expected = "larger than memory")]
+    fn a_product_whose_size_overflows_is_rejected() {
+        let none = [0.0f32; 0];
+        let (tall, wide) = (Mat::new(&none, usize::MAX / 2 + 1, 0), Mat::new(&none, 0, 2));
+        product(&mut [0.0; 4], Destination::Replace, tall, wide);
     }
 
     proptest! {

@@ -64,4 +64,20 @@ fn windows_wait_for_the_linear_path_alone() {
     assert_eq!(kept("tiny"), [0, 0, 0, 32]);
     assert_eq!(kept("kc705"), [0, 0, 0, 32]);
     assert_eq!(kept("paper"), [0; 4]);
+    // Six vectors a layer; windows of side 12 have memory for 32.
+    let deep = |layers, side| deeper(layers, side).stages().last().map(|stage| stage.kept_windows);
+    for (layers, windows) in [(2, 16), (3, 32), (5, 32), (6, 64), (7, 64), (8, 64), (10, 64)] {
+        assert_eq!(deep(layers, 8), Some(windows), "{layers} layers");
+        assert!(windows >= 6 * layers, "{layers} layers");
+        assert_eq!(deep(layers, 12), Some(windows.min(32)), "{layers} layers");
+    }
+}
+
+/// The small design with another number of layers and another window.
+fn deeper(layers: usize, side: usize) -> Design {
+    let mut design = committed("tiny");
+    (design.form.layers, design.form.window) = (layers, edof_image::Window::new(side).unwrap());
+    let (first, middle, last) = (design.stages[0], design.stages[1], design.stages[3]);
+    design.stages = std::iter::once(first).chain(vec![middle; layers - 2]).chain([last]).collect();
+    design
 }

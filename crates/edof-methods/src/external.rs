@@ -2,6 +2,7 @@
 
 use edof_image::{ColourFrame, RawFrame, ReconstructError, Reconstruction, Reconstructor};
 use edof_io::{photo, raw};
+use edof_storage::atomic::reason;
 use edof_storage::digest::sha256;
 use std::fs::File;
 use std::path::Path;
@@ -104,7 +105,7 @@ impl ExternalReconstructor {
         shell.arg("-c").arg(&command).stdin(Stdio::null()).stdout(Stdio::null()).stderr(file);
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut shell, 0);
-        let mut child = shell.spawn().map_err(|e| self.refuse(format!("cannot run sh: {e}")))?;
+        let mut child = shell.spawn().map_err(|e| self.refuse(format!("cannot run sh: {}", reason(&e))))?;
         let status =
             wait(&mut child, Duration::from_secs(self.settings.seconds)).map_err(|e| self.refuse(e))?;
         match status {

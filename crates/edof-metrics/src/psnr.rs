@@ -1,5 +1,6 @@
 //! Peak signal-to-noise ratio.
 
+use crate::quality::{MetricError, compared};
 use edof_image::ColourFrame;
 use ndarray::{ArrayView2, Axis};
 
@@ -11,16 +12,16 @@ use ndarray::{ArrayView2, Axis};
 /// let black = ColourFrame::zeros(20, 20);
 /// let mut grey = black.clone();
 /// grey.planes.fill(0.1);
-/// assert!((edof_metrics::psnr(&black, &grey, 8) - 20.0).abs() < 1e-5);
+/// assert!((edof_metrics::psnr(&black, &grey, 8)? - 20.0).abs() < 1e-5);
+/// # Ok::<(), edof_metrics::MetricError>(())
 /// ```
 ///
-/// # Panics
-/// If the frames' sizes differ or the border leaves nothing; [`Quality::of`](crate::Quality::of) rejects such frames instead.
-#[must_use]
-pub fn psnr(truth: &ColourFrame, estimate: &ColourFrame, border: usize) -> f64 {
-    let (truth, estimate) = (cropped(truth, border), cropped(estimate, border));
+/// # Errors
+/// [`MetricError`] for frames of different sizes, or of which the border leaves nothing.
+pub fn psnr(truth: &ColourFrame, estimate: &ColourFrame, border: usize) -> Result<f64, MetricError> {
+    let (truth, estimate) = compared(truth, estimate, border, 1)?;
     let error = |p| mean_square(truth.planes.index_axis(Axis(0), p), estimate.planes.index_axis(Axis(0), p));
-    decibel((error(0) + error(1) + error(2)) / 3.0)
+    Ok(decibel((error(0) + error(1) + error(2)) / 3.0))
 }
 
 /// −10 log₁₀ of a mean squared error.
@@ -29,15 +30,13 @@ pub fn decibel(mean_square: f64) -> f64 {
     -10.0 * mean_square.log10()
 }
 
-/// Mean squared difference of two planes.
+/// Returns the mean squared difference of two planes of equal size.
+///
+/// # Panics
+/// If the sizes differ: a mistake of the caller, never of its input. [`psnr`] checks its frames.
 #[must_use]
 pub fn mean_square(a: ArrayView2<'_, f32>, b: ArrayView2<'_, f32>) -> f64 {
+    assert_eq!(a.dim(), b.dim(), "planes of different sizes");
     let sum: f64 = a.iter().zip(b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum();
     sum / a.len() as f64
-}
-
-/// Without a border.
-pub(crate) fn cropped(frame: &ColourFrame, border: usize) -> ColourFrame {
-    let (height, width) = frame.size();
-    frame.crop(border, border, height - 2 * border, width - 2 * border)
 }

@@ -4,7 +4,7 @@
 //! Peak 1. A border of [`BORDER`] pixels is cropped first. Estimates are *not* clipped to 0…1 unless a name says so. Sums
 //! run in f64 in a fixed order. What is compared is the picture ([`shown`]), under sRGB also the linear light.
 
-use crate::psnr::{cropped, decibel, mean_square};
+use crate::psnr::{decibel, mean_square};
 use crate::ssim::{self, ssim};
 use edof_image::colour::LUMA;
 use edof_image::{ColourFrame, Tone};
@@ -57,29 +57,52 @@ impl Quality {
     /// # Errors
     /// [`MetricError`] for frames of different sizes or smaller than the border and SSIM's window.
     pub fn of(truth: &ColourFrame, estimate: &ColourFrame, border: usize) -> Result<Self, MetricError> {
-        if truth.size() != estimate.size() {
-            return Err(MetricError::Sizes(truth.size(), estimate.size()));
-        }
-        let (height, width) = truth.size();
-        let min = 2 * (border + ssim::REACH) + 1;
-        if height < min || width < min {
-            return Err(MetricError::Small { height, width, min, border });
-        }
-        let (truth, estimate) = (cropped(truth, border), cropped(estimate, border));
+        let (truth, estimate) = compared(truth, estimate, border, ssim::SIDE)?;
         let planes = |f: &'_ ColourFrame| [0, 1, 2].map(|p| f.planes.index_axis(Axis(0), p).to_owned());
         let (t, e) = (planes(&truth), planes(&estimate));
         let errors = [0, 1, 2].map(|p| mean_square(t[p].view(), e[p].view()));
         let clipped = [0, 1, 2].map(|p| mean_square(t[p].view(), e[p].mapv(|v| v.clamp(0.0, 1.0)).view()));
+        let colour_ssim = |p: usize| ssim(t[p].view(), e[p].view());
         let (t_luma, e_luma) = (luma(&truth), luma(&estimate));
         Ok(Self {
             psnr_db: decibel(errors.iter().sum::<f64>() / 3.0),
             psnr_clipped_db: decibel(clipped.iter().sum::<f64>() / 3.0),
             channel_psnr_db: errors.map(decibel),
             luma_psnr_db: decibel(mean_square(t_luma.view(), e_luma.view())),
-            ssim: [0, 1, 2].map(|p| ssim(t[p].view(), e[p].view())).iter().sum::<f64>() / 3.0,
-            luma_ssim: ssim(t_luma.view(), e_luma.view()),
+            ssim: (colour_ssim(0)? + colour_ssim(1)? + colour_ssim(2)?) / 3.0,
+            luma_ssim: ssim(t_luma.view(), e_luma.view())?,
         })
     }
+}
+
+/// Checks sizes (height, width): equal, and with `least` pixels a side at least inside a border.
+pub(crate) fn check(
+    truth: (usize, usize),
+    estimate: (usize, usize),
+    border: usize,
+    least: usize,
+) -> Result<(), MetricError> {
+    if truth != estimate {
+        return Err(MetricError::Sizes(truth, estimate));
+    }
+    let ((height, width), min) = (truth, border.saturating_mul(2).saturating_add(least));
+    if height < min || width < min {
+        return Err(MetricError::Small { height, width, min, border });
+    }
+    Ok(())
+}
+
+/// Two frames without their border, if [`check`] accepts them.
+pub(crate) fn compared(
+    truth: &ColourFrame,
+    estimate: &ColourFrame,
+    border: usize,
+    least: usize,
+) -> Result<(ColourFrame, ColourFrame), MetricError> {
+    check(truth.size(), estimate.size(), border, least)?;
+    let (height, width) = truth.size();
+    let inside = |frame: &ColourFrame| frame.crop(border, border, height - 2 * border, width - 2 * border);
+    Ok((inside(truth), inside(estimate)))
 }
 
 /// The displayed picture of a frame of linear light: sRGB's encoding, clamped to the 0…1 of its codes. Under the
@@ -154,8 +177,8 @@ mod tests {
         let mut estimate = truth.clone();
         estimate.planes[(0, 7, 20)] += 1.0;
         estimate.planes[(2, 20, 32)] += 1.0;
-        assert!(psnr(&truth, &estimate, 8).is_infinite());
-        assert!(psnr(&truth, &estimate, 7).is_finite());
+        assert!(psnr(&truth, &estimate, 8).unwrap().is_infinite());
+        assert!(psnr(&truth, &estimate, 7).unwrap().is_finite());
     }
 
     #[test]
@@ -176,6 +199,33 @@ mod tests {
         let mut estimate = truth.clone();
         estimate.planes.indexed_iter_mut().for_each(|((_, r, c), v)| *v += 0.1 * ((r + c) % 2) as f32);
         assert!(Quality::of(&truth, &estimate, 8).unwrap().ssim < 0.95);
+    }
+
+    #[test]
+    fn metrics_of_unequal_or_small_frames_are_rejected_not_computed() {
+        let psnr = |a: (usize, usize), b: (usize, usize), border: usize| {
+            psnr(&ColourFrame::zeros(a.0, a.1), &ColourFrame::zeros(b.0, b.1), border)
+                .map_err(|e| e.to_string())
+        };
+        let unequal = "frames of 40x40 and 42x40 pixels: must be equally large";
+        assert_eq!(psnr((40, 40), (40, 42), 8).unwrap_err(), unequal);
+        assert_eq!(psnr((40, 40), (40, 42), 0).unwrap_err(), unequal);
+        let small = "frame of 20x16 pixels: must be at least 17x17 to crop 8 pixels and compare";
+        assert_eq!(psnr((16, 20), (16, 20), 8).unwrap_err(), small);
+        assert!(psnr((16, 20), (16, 20), usize::MAX).unwrap_err().starts_with("frame of 20x16 pixels: "));
+        assert_eq!(psnr((17, 17), (17, 17), 8), Ok(f64::INFINITY));
+        let ssim = |a: (usize, usize), b: (usize, usize)| {
+            let planes = [Array2::<f32>::zeros(a), Array2::<f32>::zeros(b)];
+            ssim(planes[0].view(), planes[1].view()).map_err(|e| e.to_string())
+        };
+        let small = "frame of 11x10 pixels: must be at least 11x11 to crop 0 pixels and compare";
+        assert_eq!(ssim((10, 11), (10, 11)).unwrap_err(), small);
+        assert_eq!(ssim((0, 0), (0, 0)).unwrap_err().split(':').next(), Some("frame of 0x0 pixels"));
+        assert_eq!(
+            ssim((20, 11), (11, 20)).unwrap_err(),
+            "frames of 11x20 and 20x11 pixels: must be equally large"
+        );
+        assert_eq!(ssim((11, 11), (11, 11)), Ok(1.0));
     }
 
     #[test]

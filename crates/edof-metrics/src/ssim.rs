@@ -1,20 +1,24 @@
 //! Structural similarity.
 
+use crate::quality::{MetricError, check};
 use ndarray::{Array2, ArrayView2, s};
 
 /// Standard deviation of the Gaussian window, in pixels.
 const SIGMA: f64 = 1.5;
 /// Half of the window without its centre: 11×11 pixels in all.
-pub(crate) const REACH: usize = 5;
+const REACH: usize = 5;
+/// Side of the window in pixels.
+pub(crate) const SIDE: usize = 2 * REACH + 1;
 const C1: f64 = 0.01 * 0.01;
 const C2: f64 = 0.03 * 0.03;
 
 /// Mean structural similarity of two planes with range 1 (Wang, Bovik, Sheikh, Simoncelli 2004): Gaussian window of 11×11
 /// pixels with σ = 1.5, K₁ = 0.01, K₂ = 0.03, population moments, averaged where the window fits whole; no downsampling.
 ///
-/// Both planes must be equally large and at least 11×11.
-#[must_use]
-pub fn ssim(a: ArrayView2<'_, f32>, b: ArrayView2<'_, f32>) -> f64 {
+/// # Errors
+/// [`MetricError`] for planes of different sizes, or smaller than the window.
+pub fn ssim(a: ArrayView2<'_, f32>, b: ArrayView2<'_, f32>) -> Result<f64, MetricError> {
+    check(a.dim(), b.dim(), 0, SIDE)?;
     let (a, b) = (a.mapv(f64::from), b.mapv(f64::from));
     let mean_a = gaussian_mean(&a);
     let mean_b = gaussian_mean(&b);
@@ -29,7 +33,7 @@ pub fn ssim(a: ArrayView2<'_, f32>, b: ArrayView2<'_, f32>) -> f64 {
                 / ((ma * ma + mb * mb + C1) * (variance_a + variance_b + C2));
         },
     );
-    sum / mean_a.len() as f64
+    Ok(sum / mean_a.len() as f64)
 }
 
 /// Weighted mean under SSIM's window, wherever it fits whole.
@@ -48,8 +52,8 @@ fn gaussian_mean(plane: &Array2<f64>) -> Array2<f64> {
     out
 }
 
-fn gaussian_taps() -> [f64; 2 * REACH + 1] {
-    let taps: [f64; 2 * REACH + 1] = std::array::from_fn(|i| {
+fn gaussian_taps() -> [f64; SIDE] {
+    let taps: [f64; SIDE] = std::array::from_fn(|i| {
         let distance = i as f64 - REACH as f64;
         (-0.5 * (distance / SIGMA).powi(2)).exp()
     });
@@ -66,7 +70,7 @@ mod tests {
         let plane = |level: f32| Array2::from_elem((20, 20), level);
         let (a, b) = (f64::from(0.25f32), 0.75);
         let expected = (2.0 * a * b + C1) / (a * a + b * b + C1);
-        assert!((ssim(plane(0.25).view(), plane(0.75).view()) - expected).abs() < 1e-9);
+        assert!((ssim(plane(0.25).view(), plane(0.75).view()).unwrap() - expected).abs() < 1e-9);
     }
 
     #[test]
@@ -89,6 +93,6 @@ mod tests {
         let cov = mean(&|r, c| (at(&a, r, c) - ma) * (at(&b, r, c) - mb));
         let expected =
             (2.0 * ma * mb + 1e-4) * (2.0 * cov + 9e-4) / ((ma * ma + mb * mb + 1e-4) * (va + vb + 9e-4));
-        assert!((ssim(a.view(), b.view()) - expected).abs() < 1e-9);
+        assert!((ssim(a.view(), b.view()).unwrap() - expected).abs() < 1e-9);
     }
 }

@@ -6,10 +6,11 @@
 //! pictures: a camera is judged in tens of milliseconds.
 
 use crate::cosine::{EvenTransform, period};
-use crate::psf::{NoPsf, Psf, Settings, channel_psfs, pixel_transfer, wavelengths};
+use crate::psf::{NoPsf, OUTSIDE, Psf, Settings, channel_psfs, pixel_transfer, rays_beyond, wavelengths};
 use crate::statistics::{SIDE, Statistics, pair};
 use edof_camera::Camera;
 use edof_image::geometry::{PATCH, Window};
+use edof_image::words::number;
 use edof_image::{CfaPhase, Channel};
 use edof_numerics::{Cholesky, NotPositive};
 use ndarray::Array2;
@@ -50,6 +51,12 @@ pub enum JudgeError {
         "camera {camera}: has {what}, which the linear estimator does not know; it judges lenses of rings alone"
     )]
     Lens { camera: String, what: &'static str },
+    /// Blur that the statistics have no room for: it would come back from the other side.
+    #[error(
+        "psi {}: camera {camera} throws {:.0} % of the light more than {} pixels from the centre, where the estimator's statistics end; use less defocus or larger pixels",
+        number(*psi), 100.0 * share, SIDE / 2
+    )]
+    Reach { camera: String, psi: f64, share: f64 },
     /// Nothing to judge it for.
     #[error("task: has no {0}, expected at least one")]
     Empty(&'static str),
@@ -67,6 +74,10 @@ fn check(camera: &Camera, task: &Task) -> Result<(), JudgeError> {
     ];
     if let Some((_, what)) = beyond.into_iter().find(|(there, _)| *there) {
         return Err(JudgeError::Lens { camera: camera.name.clone(), what });
+    }
+    let too_far = task.psis.iter().map(|&psi| (psi, rays_beyond(camera, psi, 0.5 * SIDE as f64)));
+    if let Some((psi, share)) = too_far.into_iter().find(|(_, share)| *share > OUTSIDE) {
+        return Err(JudgeError::Reach { camera: camera.name.clone(), psi, share });
     }
     let empty = [(task.psis.is_empty(), "depth"), (task.noises.is_empty(), "noise")];
     empty.into_iter().find(|(empty, _)| *empty).map_or(Ok(()), |(_, what)| Err(JudgeError::Empty(what)))

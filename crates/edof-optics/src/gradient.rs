@@ -57,10 +57,20 @@ pub fn check(camera: &Camera) -> Result<(), GradientError> {
         "a height map"
     } else if !camera.is_round() {
         "aberrations"
+    } else if camera.rings.iter().any(|ring| is_air(ring.delay, camera.reference_wavelength_nm)) {
+        "an etched ring of index 1, whose height changes no phase"
     } else {
         return Ok(());
     };
     Err(GradientError::Shape { camera: camera.name.clone(), found })
+}
+
+/// Whether a ring is etched into what delays no light of a wavelength.
+fn is_air(delay: Delay, nm: f64) -> bool {
+    match delay {
+        Delay::Phase { .. } => false,
+        Delay::Etched { cauchy, .. } => Delay::Etched { height_um: 1.0, cauchy }.phase_rad(nm) == 0.0,
+    }
 }
 
 /// Derivatives of the kernels that [`channel_psfs`] gives, one for each of [`parameters`] and channel, of the kernels' sides. A kernel keeps

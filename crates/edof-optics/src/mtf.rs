@@ -8,7 +8,7 @@ use edof_numerics::sinc;
 use ndarray::{Array1, Axis};
 use rayon::prelude::*;
 
-/// Pixels over which the PSF is computed; blur disks of interest are far smaller.
+/// Samples per cycle a pixel of an OTF that is taken from a PSF.
 const SUPPORT: usize = 256;
 /// Wavelengths that stand for a channel with a spectrum.
 const WAVELENGTHS: usize = 9;
@@ -52,24 +52,25 @@ impl Otf {
 /// [`NoPsf`].
 pub fn otf(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) -> Result<Otf, NoPsf> {
     psf::check(camera, psi)?;
-    let step_per_mm = 1e3 / (SUPPORT as f64 * camera.pixel_pitch_um);
+    let step_per_mm = |support: usize| 1e3 / (support as f64 * camera.pixel_pitch_um);
     if camera.psf_bank.is_some() || !camera.is_round() {
         let psf = &channel_psfs(camera, psi, &Settings::default())?[channel.plane()];
-        return Ok(Otf { step_per_mm, values: contrast_of(psf, footprint) });
+        return Ok(Otf { step_per_mm: step_per_mm(SUPPORT), values: contrast_of(psf, footprint) });
     }
     let spectrum = camera.spectrum(channel);
     let lines = match spectrum {
         Spectrum::Line(nm) => vec![*nm],
         Spectrum::Sampled(_) => wavelengths(spectrum, WAVELENGTHS),
     };
-    let otfs: Vec<_> = lines.iter().map(|&nm| otf_along_row(camera, nm, psi, SUPPORT)).collect();
+    let support = psf::otf_support(camera, psi);
+    let otfs: Vec<_> = lines.iter().map(|&nm| otf_along_row(camera, nm, psi, support)).collect();
     let length = otfs.iter().map(Array1::len).max().unwrap_or(0);
     let mean = |q: usize| otfs.iter().filter_map(|o| o.get(q)).sum::<f64>() / otfs.len() as f64;
     let pixel = |q: usize| match footprint {
         Footprint::Lens => 1.0,
-        Footprint::LensAndPixel => sinc(q as f64 / SUPPORT as f64),
+        Footprint::LensAndPixel => sinc(q as f64 / support as f64),
     };
-    Ok(Otf { step_per_mm, values: (0..length).map(|q| mean(q) * pixel(q)).collect() })
+    Ok(Otf { step_per_mm: step_per_mm(support), values: (0..length).map(|q| mean(q) * pixel(q)).collect() })
 }
 
 /// Contrast along a row of pixels up to half a cycle a pixel.

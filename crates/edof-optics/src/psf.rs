@@ -5,6 +5,7 @@
 //! square pixel, folded at the sensor's sampling frequency and transformed back, is the light that each pixel collects, exactly.
 
 mod grid;
+mod rays;
 mod round;
 mod spectrum;
 mod wavefront;
@@ -13,7 +14,7 @@ pub use round::{otf_along_row, pixel_transfer, quarter_otf, quarter_psf};
 pub use spectrum::wavelengths;
 
 use crate::bank;
-use crate::depth::{geometric_blur_um, in_metres};
+use crate::depth::in_metres;
 use crate::pupil::Pupil;
 use edof_camera::camera::Camera;
 use edof_image::Channel;
@@ -24,8 +25,11 @@ use spectrum::summed;
 
 /// Side in pixels of the support computed when nothing is cut; a cut kernel's is smaller where the asked energy allows it.
 pub const SUPPORT: usize = 1024;
-/// The farthest from focus, in radians at the reference wavelength, at which the support still holds the blur.
+/// The farthest from focus that is computed, in radians at the reference wavelength.
 pub const MAX_DEFOCUS: f64 = 200.0;
+
+/// Most light that may be thrown beyond the largest support; with more, there is no PSF ([`NoPsf::Reach`]).
+pub(crate) const OUTSIDE: f64 = 0.02;
 
 /// How exactly PSFs are computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,8 +105,8 @@ pub struct Psf {
     pub energy_kept: f64,
     /// Side of the computed support in pixels.
     pub support: usize,
-    /// Estimated share of the energy that falls beyond the support, from where diffraction at the mask's edges throws it; the
-    /// computation folds it back in.
+    /// Estimated share of the energy that falls beyond the support, from where diffraction at the mask's edges and rays throw it;
+    /// the computation folds it back in.
     pub energy_beyond: f64,
     /// Wavelengths in nanometres that were summed, equally weighted.
     pub wavelengths_nm: Vec<f64>,
@@ -117,6 +121,11 @@ pub enum PsfError {
     /// No centre pixel.
     #[error("kernel {height}x{width}: must be square with an odd side")]
     Shape { height: usize, width: usize },
+    /// Light that cannot be.
+    #[error(
+        "kernel: row {row}, column {column} is {value}, light is finite and never negative; set noise below 0 to 0"
+    )]
+    Light { row: usize, column: usize, value: f32 },
     /// Creates or loses light.
     #[error("kernel: sums to {0}, must sum to 1")]
     Sum(f32),
@@ -126,14 +135,18 @@ impl Psf {
     /// A PSF from a kernel of the user.
     ///
     /// # Errors
-    /// [`PsfError`] if the kernel has no centre or does not sum to 1 within 10⁻³.
+    /// [`PsfError`] if the kernel has no centre, has a weight that is negative or not finite, or does not sum to 1 within 10⁻³.
     pub fn new(kernel: Array2<f32>) -> Result<Self, PsfError> {
         let (height, width) = kernel.dim();
         if height != width || height % 2 == 0 {
             return Err(PsfError::Shape { height, width });
         }
+        let light = |value: f32| value.is_finite() && value >= 0.0;
+        if let Some(((row, column), &value)) = kernel.indexed_iter().find(|(_, value)| !light(**value)) {
+            return Err(PsfError::Light { row, column, value });
+        }
         let sum = kernel.sum();
-        if sum.is_nan() || (sum - 1.0).abs() > 1e-3 {
+        if (sum - 1.0).abs() > 1e-3 {
             return Err(PsfError::Sum(sum));
         }
         Ok(Self::given(kernel))
@@ -198,6 +211,12 @@ pub enum NoPsf {
     /// Blur larger than any support, or no number.
     #[error("psi {}: must lie within {MAX_DEFOCUS} of the focus of camera {camera}, at {}{near}", number(*psi), number(*focus))]
     Focus { psi: f64, camera: String, focus: f64, near: String },
+    /// Light thrown beyond the largest support, where the computation would fold it back.
+    #[error(
+        "psi {}: camera {camera} throws {:.0} % of the light more than {half} pixels from the centre, the farthest that is computed; use less defocus or larger pixels{helps}",
+        number(*psi), 100.0 * share
+    )]
+    Reach { psi: f64, camera: String, share: f64, half: usize, helps: String },
     /// Beyond the ends of its PSF bank.
     #[error(
         "psi {}: the PSF bank of camera {camera}, {file}, reaches from {} to {}{near}",
@@ -228,7 +247,11 @@ pub fn check(camera: &Camera, psi: f64) -> Result<(), NoPsf> {
         }
         let near = (psi - focus).abs() <= MAX_DEFOCUS;
         let reach = || in_metres(camera, [focus - MAX_DEFOCUS, focus + MAX_DEFOCUS]);
-        return if near { Ok(()) } else { Err(NoPsf::Focus { psi, camera: name, focus, near: reach() }) };
+        return if near {
+            check_reach(camera, psi)
+        } else {
+            Err(NoPsf::Focus { psi, camera: name, focus, near: reach() })
+        };
     };
     let file = bank.file.clone();
     let Some(kernels) = &bank.kernels else {
@@ -240,6 +263,29 @@ pub fn check(camera: &Camera, psi: f64) -> Result<(), NoPsf> {
         return Ok(());
     }
     Err(NoPsf::Bank { psi, camera: name, file, low, high, near: in_metres(camera, [low, high]) })
+}
+
+/// Whether the rays from `psi` stay on the largest support.
+fn check_reach(camera: &Camera, psi: f64) -> Result<(), NoPsf> {
+    let room = |channel: &Channel| wavefront::room(camera, wavelengths(camera.spectrum(*channel), 1)[0]);
+    let side = match camera.is_round() {
+        true => SUPPORT,
+        false => Channel::ALL.iter().map(room).min().unwrap_or(SUPPORT),
+    };
+    match rays_beyond(camera, psi, 0.5 * side as f64) {
+        share if share > OUTSIDE => Err(too_far(camera, psi, share, side)),
+        _ => Ok(()),
+    }
+}
+
+fn too_far(camera: &Camera, psi: f64, share: f64, support: usize) -> NoPsf {
+    let parts = [
+        (camera.profile.is_some(), "a weaker profile"),
+        (!camera.aberrations.is_empty(), "weaker aberrations"),
+        (camera.height_map.is_some(), "a smoother height map"),
+    ];
+    let helps = parts.iter().filter(|(there, _)| *there).map(|(_, what)| format!(", {what}")).collect();
+    NoPsf::Reach { psi, camera: camera.name.clone(), share, half: support / 2, helps }
 }
 
 /// PSFs of red, green and blue for an object at `psi` (radians at the camera's reference wavelength): those of the camera's bank,
@@ -260,8 +306,10 @@ pub fn channel_psfs(camera: &Camera, psi: f64, settings: &Settings) -> Result<[P
     if let Some(kernels) = camera.psf_bank.as_ref().and_then(|bank| bank.kernels.as_ref()) {
         return Ok(bank::at(kernels, psi).map(Psf::given));
     }
-    let psfs: Vec<Psf> =
-        Channel::ALL.par_iter().map(|&channel| of_lens(camera, channel, psi, settings)).collect();
+    let psfs: Vec<Psf> = Channel::ALL
+        .par_iter()
+        .map(|&channel| of_lens(camera, channel, psi, settings))
+        .collect::<Result<_, _>>()?;
     Ok(<[Psf; 3]>::try_from(psfs).unwrap_or_else(|_| unreachable!("three channels give three PSFs")))
 }
 
@@ -273,24 +321,32 @@ pub fn psf(camera: &Camera, channel: Channel, psi: f64, settings: &Settings) -> 
     check(camera, psi)?;
     match camera.psf_bank.as_ref().and_then(|bank| bank.kernels.as_ref()) {
         Some(kernels) => Ok(Psf::given(bank::at(kernels, psi)[channel.plane()].clone())),
-        None => Ok(of_lens(camera, channel, psi, settings)),
+        None => of_lens(camera, channel, psi, settings),
     }
 }
 
 /// PSF of a depth that was checked, as it follows from lens and mask.
-fn of_lens(camera: &Camera, channel: Channel, psi: f64, settings: &Settings) -> Psf {
+///
+/// # Errors
+/// [`NoPsf::Reach`] of a height map.
+fn of_lens(camera: &Camera, channel: Channel, psi: f64, settings: &Settings) -> Result<Psf, NoPsf> {
     let spectrum = camera.spectrum(channel);
     let middle = wavelengths(spectrum, 1)[0];
-    let (support, energy_beyond) = support(camera, middle, psi, settings);
+    let support = support(camera, middle, psi, settings);
     if !camera.is_round() {
-        let support = wavefront::support(camera, middle, psi, support);
+        let (support, outside) = wavefront::support(camera, middle, psi, support);
+        if outside > 0.0 {
+            return Err(too_far(camera, psi, outside, support));
+        }
+        let energy_beyond = energy_beyond(camera, middle, psi, support);
         let at = |nm: f64| wavefront::whole_psf(camera, nm, psi, support);
         let (whole, wavelengths_nm, wavelength_error) = summed(spectrum, settings, at, |plane| plane.sum());
         let (half, energy_kept) = cut(&wavefront::square_sums(&whole), settings);
         let offset = |i: usize| (i + support - half) % support;
         let kernel = scaled(2 * half + 1, |r, c| whole[(offset(r), offset(c))]);
-        return Psf { kernel, energy_kept, support, energy_beyond, wavelengths_nm, wavelength_error };
+        return Ok(Psf { kernel, energy_kept, support, energy_beyond, wavelengths_nm, wavelength_error });
     }
+    let energy_beyond = energy_beyond(camera, middle, psi, support);
     let at = |nm: f64| quarter_psf(camera, nm, psi, support);
     let (quarter, wavelengths_nm, wavelength_error) = summed(spectrum, settings, at, whole_sum);
     let mut sums = square_sums(&quarter);
@@ -298,7 +354,7 @@ fn of_lens(camera: &Camera, channel: Channel, psi: f64, settings: &Settings) -> 
     sums.pop();
     let (half, energy_kept) = cut(&sums, settings);
     let kernel = scaled(2 * half + 1, |r, c| quarter[(r.abs_diff(half), c.abs_diff(half))]);
-    Psf { kernel, energy_kept, support, energy_beyond, wavelengths_nm, wavelength_error }
+    Ok(Psf { kernel, energy_kept, support, energy_beyond, wavelengths_nm, wavelength_error })
 }
 
 /// A kernel of that side that sums to 1.
@@ -319,22 +375,53 @@ fn cut(sums: &[f64], settings: &Settings) -> (usize, f64) {
     (half, sums[half] / total)
 }
 
-/// Side of the support in pixels, and the share of energy estimated beyond it.
-///
-/// Far from the centre only the pupil's edges send light: a circle of radius ρ at which the pupil jumps by Δ sends the share
-/// 2λF#·ρ|Δ|²/(π²r) beyond the radius r, and 0.9 of that beyond the square around it.
-fn support(camera: &Camera, wavelength_nm: f64, psi: f64, settings: &Settings) -> (usize, f64) {
-    let wave = wave_um(camera, wavelength_nm) / camera.pixel_pitch_um;
-    let edges = Pupil::new(camera, wavelength_nm, psi).edge_strength();
-    let beyond = |half: f64| 0.9 * 2.0 * wave * edges / (std::f64::consts::PI.powi(2) * half);
-    let blur = geometric_blur_um(camera, psi) / camera.pixel_pitch_um;
+/// Side of the support in pixels.
+fn support(camera: &Camera, wavelength_nm: f64, psi: f64, settings: &Settings) -> usize {
     let wanted = if settings.cuts_kernels() {
-        (8.0 * beyond(1.0) / (1.0 - settings.energy)).min(512.0)
+        (8.0 * diffracted_beyond(camera, wavelength_nm, psi, 1.0) / (1.0 - settings.energy)).min(512.0)
     } else {
         1024.0
     };
-    let side = (wanted.max(4.0 * blur) as usize).next_power_of_two().clamp(256, SUPPORT);
-    (side, beyond(0.5 * side as f64).min(1.0))
+    roomy(wanted, reach(camera, psi))
+}
+
+/// Side in pixels of a support for the OTF at `psi`: the samples of the pupil follow its phase.
+pub(crate) fn otf_support(camera: &Camera, psi: f64) -> usize {
+    roomy(256.0, reach(camera, psi))
+}
+
+/// Side in pixels: at least `wanted` and four times the blur, as far as there is room.
+fn roomy(wanted: f64, reach: f64) -> usize {
+    (wanted.max(8.0 * reach).min(SUPPORT as f64) as usize).next_power_of_two().clamp(256, SUPPORT)
+}
+
+/// Pixels from the centre that next to no ray passes.
+fn reach(camera: &Camera, psi: f64) -> f64 {
+    rays::reach_um(camera, psi) / camera.pixel_pitch_um
+}
+
+/// Share of the rays that go more than `half` pixels from the centre.
+pub(crate) fn rays_beyond(camera: &Camera, psi: f64, half: f64) -> f64 {
+    if reach(camera, psi) <= half {
+        return 0.0;
+    }
+    rays::Rays::new(camera, psi).beyond(half * camera.pixel_pitch_um)
+}
+
+/// Share of energy estimated beyond a support.
+fn energy_beyond(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize) -> f64 {
+    let half = 0.5 * support as f64;
+    (diffracted_beyond(camera, wavelength_nm, psi, half) + rays_beyond(camera, psi, half)).min(1.0)
+}
+
+/// Share of energy that the edges of the mask throw beyond the square of half a side in pixels.
+///
+/// Far from the centre only the pupil's edges send light: a circle of radius ρ at which the pupil jumps by Δ sends the share
+/// 2λF#·ρ|Δ|²/(π²r) beyond the radius r, and 0.9 of that beyond the square around it.
+fn diffracted_beyond(camera: &Camera, wavelength_nm: f64, psi: f64, half: f64) -> f64 {
+    let wave = wave_um(camera, wavelength_nm) / camera.pixel_pitch_um;
+    let edges = Pupil::new(camera, wavelength_nm, psi).edge_strength();
+    0.9 * 2.0 * wave * edges / (std::f64::consts::PI.powi(2) * half)
 }
 
 /// λ·F# in micrometres: the PSF's unit of length; 1/(λF#) is the cut-off frequency.

@@ -63,27 +63,27 @@ impl Evaluation {
 /// is the metric, in dB; it compares pictures in the tone of the sharp one.
 ///
 /// # Errors
-/// [`ReconstructError`] for a scene that is too small.
-pub fn evaluate(
+/// [`ReconstructError`] for a scene that is too small; what `psnr` returns.
+pub fn evaluate<E: From<ReconstructError>>(
     float: &dyn Reconstructor,
     fixed: &Golden,
     scenes: &[Scene<'_>],
-    psnr: impl Fn(&ColourFrame, &ColourFrame) -> f64,
-) -> Result<Evaluation, ReconstructError> {
+    psnr: impl Fn(&ColourFrame, &ColourFrame) -> Result<f64, E>,
+) -> Result<Evaluation, E> {
     let mut counts = Counts::new(fixed.network().form.layers);
     let losses = scenes
         .iter()
         .map(|scene| {
-            let (out, light) = fixed.frame_of_light(&scene.raw)?;
+            let (out, light) = fixed.frame_of_light(&scene.raw).map_err(ReconstructError::from)?;
             counts.merge(&out.counts);
             let psnr = |light: &ColourFrame| psnr(scene.sharp, &scene.tone.encoded(light));
             Ok(SceneLoss {
                 name: scene.name.clone(),
-                float_db: psnr(&float.reconstruct(&scene.raw)?.frame),
-                fixed_db: psnr(&light),
+                float_db: psnr(&float.reconstruct(&scene.raw)?.frame)?,
+                fixed_db: psnr(&light)?,
             })
         })
-        .collect::<Result<_, ReconstructError>>()?;
+        .collect::<Result<_, E>>()?;
     Ok(Evaluation { scenes: losses, counts })
 }
 
@@ -128,7 +128,9 @@ mod tests {
         let psnr = |sharp: &ColourFrame, other: &ColourFrame| {
             f64::from(other.planes.mean().unwrap()) - 10.0 * f64::from(sharp.planes.mean().unwrap())
         };
-        let found = evaluate(&float, &fixed, &scenes, psnr).unwrap();
+        let found =
+            evaluate(&float, &fixed, &scenes, |sharp, other| Ok::<_, ReconstructError>(psnr(sharp, other)))
+                .unwrap();
         let mut counts = Counts::new(4);
         for (scene, loss) in scenes.iter().zip(&found.scenes) {
             let out = fixed.frame(&scene.raw).unwrap();

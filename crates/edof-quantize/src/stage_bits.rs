@@ -86,18 +86,18 @@ fn coarsen(matrix: &mut FixedMatrix, k: u32, bits: u32) {
 /// Mean PSNR of a network over scenes; `psnr(sharp, estimate)` in dB compares pictures in the tone of the sharp one.
 ///
 /// # Errors
-/// [`StageBitsError`].
-pub fn mean_db(
+/// [`StageBitsError`]; what `psnr` returns.
+pub fn mean_db<E: From<StageBitsError> + Send>(
     network: FixedNetwork,
     scenes: &[Scene<'_>],
-    psnr: impl Fn(&ColourFrame, &ColourFrame) -> f64 + Sync,
-) -> Result<f64, StageBitsError> {
-    let golden = Golden::new(network)?;
+    psnr: impl Fn(&ColourFrame, &ColourFrame) -> Result<f64, E> + Sync,
+) -> Result<f64, E> {
+    let golden = Golden::new(network).map_err(StageBitsError::from)?;
     let db = |scene: &Scene<'_>| {
-        let picture = golden.frame_of_light(&scene.raw).map_err(ReconstructError::from)?.1;
-        Ok(psnr(scene.sharp, &scene.tone.encoded(&picture)))
+        let light = golden.frame_of_light(&scene.raw).map_err(ReconstructError::from);
+        psnr(scene.sharp, &scene.tone.encoded(&light.map_err(StageBitsError::from)?.1))
     };
-    let all: Vec<f64> = scenes.par_iter().map(db).collect::<Result<_, ReconstructError>>()?;
+    let all: Vec<f64> = scenes.par_iter().map(db).collect::<Result<_, E>>()?;
     Ok(all.iter().sum::<f64>() / all.len().max(1) as f64)
 }
 
@@ -268,7 +268,8 @@ mod tests {
         let scenes = [scene(&sharp[0], edof_image::Tone::Linear), scene(&sharp[1], edof_image::Tone::Srgb)];
         let network = edof_random::natural(8, 8, 1);
         let of = |picture: &ColourFrame| f64::from(picture.planes.mean().unwrap());
-        let psnr = |sharp: &ColourFrame, other: &ColourFrame| 8.0 * of(sharp) + of(other);
+        let psnr =
+            |sharp: &ColourFrame, other: &ColourFrame| Ok::<_, StageBitsError>(8.0 * of(sharp) + of(other));
         let light = Golden::new(network.clone()).unwrap().frame(&raw).unwrap().colour();
         let expected = 0.5 * (2.0 + of(&light) + 6.0 + of(&edof_image::Tone::Srgb.encoded(&light)));
         let found = mean_db(network.clone(), &scenes, psnr).unwrap();

@@ -1,7 +1,7 @@
 //! Which layer's bits matter: dB lost against the bits of one stage, of all, and the fewest that lose next to nothing.
 
 use edof_image::ColourFrame;
-use edof_metrics::{BORDER, psnr};
+use edof_metrics::{BORDER, MetricError, psnr};
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::layer_names;
 use edof_optics::draw::{Builtin, DrawError, draw};
@@ -9,6 +9,7 @@ use edof_quantize::stage_bits::{MIN, StageBitsError, fewest, mean_db, with_stage
 use edof_quantize::{Scene, capture};
 use edof_report::Report;
 use edof_report::plot::{Axis, Mark, Plot, SMALL, Series};
+use edof_report::table::{markdown_row, markdown_rule};
 use edof_study::made::Made;
 use serde::Serialize;
 use std::fmt::Write;
@@ -62,9 +63,24 @@ pub enum BitsError {
     /// Scenes behind its camera.
     #[error(transparent)]
     Capture(#[from] edof_optics::capture::CaptureError),
+    /// Scenes and pictures that cannot be compared.
+    #[error(transparent)]
+    Metric(#[from] MetricError),
     /// The bits of the network.
     #[error("net {network}: {source}")]
     Bits { network: String, source: StageBitsError },
+}
+
+/// A choice of bits without a PSNR.
+enum Unjudged {
+    Metric(MetricError),
+    Bits(StageBitsError),
+}
+
+impl From<StageBitsError> for Unjudged {
+    fn from(source: StageBitsError) -> Self {
+        Self::Bits(source)
+    }
 }
 
 /// Measures one network on synthetic scenes behind its own camera.
@@ -79,11 +95,13 @@ pub fn of(network: &str, fixed: &FixedNetwork, allowed_db: f64) -> Result<Bits, 
         .collect::<Result<_, DrawError>>()?;
     let scenes: Vec<Scene<'_>> =
         capture(&pictures, &fixed.origin, |_| ())?.into_iter().step_by(EVERY).collect();
-    let judge = |sharp: &ColourFrame, picture: &ColourFrame| psnr(sharp, picture, BORDER);
-    let db = |bits: &[u32]| -> Result<f64, StageBitsError> {
-        mean_db(with_stage_bits(fixed, bits)?, &scenes, judge)
+    let judge =
+        |sharp: &ColourFrame, picture: &ColourFrame| psnr(sharp, picture, BORDER).map_err(Unjudged::Metric);
+    let db = |bits: &[u32]| mean_db(with_stage_bits(fixed, bits)?, &scenes, judge);
+    let named = |unjudged| match unjudged {
+        Unjudged::Metric(source) => BitsError::Metric(source),
+        Unjudged::Bits(source) => BitsError::Bits { network: network.to_owned(), source },
     };
-    let named = |source| BitsError::Bits { network: network.to_owned(), source };
     let names = layer_names(fixed.form.layers).enumerate();
     let stages: Vec<String> =
         names.map(|(i, n)| if n == "M" { format!("M{i}") } else { n.to_owned() }).collect();
@@ -244,16 +262,9 @@ pub fn to_markdown(all: &[Bits], made: &Made) -> String {
         format!("# Bits of single stages\n\n{made}\n\ndB lost where a stage, or all, have fewer bits.\n");
     for bits in all {
         let header = bits.header();
-        let _ = write!(
-            text,
-            "\n{}.\n\n| {} |\n|{}\n",
-            bits.verdict(),
-            header.join(" | "),
-            "---|".repeat(header.len())
-        );
-        bits.rows().iter().for_each(|row| {
-            let _ = writeln!(text, "| {} |", row.join(" | "));
-        });
+        let _ =
+            write!(text, "\n{}.\n\n{}{}", bits.verdict(), markdown_row(&header), markdown_rule(header.len()));
+        bits.rows().iter().for_each(|row| text.push_str(&markdown_row(row)));
     }
     text
 }

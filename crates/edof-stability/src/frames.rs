@@ -17,6 +17,7 @@ use edof_golden::GoldenReconstructor;
 use edof_image::overlap::Overlap;
 use edof_image::{CfaPhase, ColourFrame, Geometry, RawFrame, Reconstructor, Tone};
 use edof_io::read_warnings::{ReadWarning, read_warnings};
+use edof_metrics::MetricError;
 use edof_network::FixedNetwork;
 use edof_optics::capture::{Approximation, capture};
 use edof_optics::sensor::{Sensor, expose};
@@ -58,7 +59,7 @@ pub(crate) fn frame(bench: &Bench, frame: &Frame, promise: &Promise) -> Result<T
     let judge = |name: &str, shot: &Shot, picture: &ColourFrame| judged(name, shot, picture, promise, psnr);
     let judge_net = |is_for: bool, name: &str, shot: &Shot, picture: &ColourFrame| match is_for {
         true => judge(name, shot, picture),
-        false => vec![is_finite(name, picture)],
+        false => Ok(vec![is_finite(name, picture)]),
     };
     for (index, trained) in bench.networks.iter().enumerate() {
         let own = &trained.float.origin.camera;
@@ -82,8 +83,8 @@ pub(crate) fn frame(bench: &Bench, frame: &Frame, promise: &Promise) -> Result<T
             let seen = Measurement::fact(fixed.name(), "saturates nowhere", saturations == 0);
             tried.seen.push(seen.noted(format!("{saturations} saturations")));
         }
-        tried.seen.extend(judge_net(is_for, fixed.name(), &shot, &made.frame));
-        tried.seen.extend(judge_net(is_for, float.name(), &shot, &float.reconstruct(&shot.raw)?.frame));
+        tried.seen.extend(judge_net(is_for, fixed.name(), &shot, &made.frame)?);
+        tried.seen.extend(judge_net(is_for, float.name(), &shot, &float.reconstruct(&shot.raw)?.frame)?);
         if frame.camera.is_some() {
             let told = camera.same_lens(own) == (camera.name == own.name);
             tried.seen.push(Measurement::fact(&trained.name, "a lens that is not its own is noticed", told));
@@ -95,7 +96,7 @@ pub(crate) fn frame(bench: &Bench, frame: &Frame, promise: &Promise) -> Result<T
     }
     if !frame.nets_only {
         let shot = shot(frame, &Camera::resolve(CAMERA)?)?;
-        tried.seen.extend(judge("demosaic-malvar", &shot, &shot.demosaiced));
+        tried.seen.extend(judge("demosaic-malvar", &shot, &shot.demosaiced)?);
         let methods = bench.methods().all(frame)?;
         let methods: Vec<&dyn Reconstructor> =
             methods.iter().map(|method| method.as_ref().as_ref()).collect();
@@ -107,7 +108,7 @@ pub(crate) fn frame(bench: &Bench, frame: &Frame, promise: &Promise) -> Result<T
             })
             .collect();
         for (name, picture) in made {
-            tried.seen.extend(judge(&name, &shot, &picture?));
+            tried.seen.extend(judge(&name, &shot, &picture?)?);
         }
     }
     Ok(tried)
@@ -133,8 +134,8 @@ fn judged(
     shot: &Shot,
     picture: &ColourFrame,
     promise: &Promise,
-    psnr: fn(&ColourFrame, &ColourFrame, usize) -> f64,
-) -> Vec<Measurement> {
+    psnr: fn(&ColourFrame, &ColourFrame, usize) -> Result<f64, MetricError>,
+) -> Result<Vec<Measurement>, MetricError> {
     let mut seen = vec![is_finite(name, picture)];
     let limit = promise.limit(name);
     match (promise, limit) {
@@ -148,7 +149,7 @@ fn judged(
         }
         (Promise::Graceful { .. }, Some(limit)) => {
             let (own, plain) =
-                (psnr(&shot.sharp, picture, BORDER), psnr(&shot.sharp, &shot.demosaiced, BORDER));
+                (psnr(&shot.sharp, picture, BORDER)?, psnr(&shot.sharp, &shot.demosaiced, BORDER)?);
             // A plain picture without any error has no loss in dB.
             let (own, plain) = (own.min(EXACT_DB), plain.min(EXACT_DB));
             let one = Measurement::new(name, "dB below demosaicing", plain - own, limit);
@@ -156,7 +157,7 @@ fn judged(
         }
         _ => {}
     }
-    seen
+    Ok(seen)
 }
 
 /// Above this a picture is as good as any: half of a code of 8 bits.

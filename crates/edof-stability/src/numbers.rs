@@ -26,7 +26,7 @@ pub(crate) fn numbers(
 ) -> Result<TrialResult, Stopped> {
     let limit = |subject: &str| promise.limit(subject).unwrap_or(0.0);
     let seen = match given {
-        Numbers::PsnrOfMegapixels(count) => vec![psnr(subjects, count, limit("psnr"))],
+        Numbers::PsnrOfMegapixels(count) => vec![psnr(subjects, count, limit("psnr"))?],
         Numbers::SsimOfFlat => ssim()?,
         Numbers::GammaIndex => gamma(subjects),
         Numbers::DisplayOfExtremes => display(),
@@ -40,15 +40,15 @@ pub(crate) fn numbers(
 }
 
 /// An error that is the same at every pixel: any rounding of the sum goes the same way.
-fn psnr(subjects: &Subjects, megapixels: usize, limit: f64) -> Measurement {
+fn psnr(subjects: &Subjects, megapixels: usize, limit: f64) -> Result<Measurement, Stopped> {
     let mut truth = ColourFrame::zeros(1000 * megapixels, 1000);
     truth.planes.fill(0.5);
     let mut estimate = truth.clone();
     estimate.planes.fill(0.503);
     let exact = -20.0 * f64::from(0.503f32 - 0.5f32).log10();
-    let found = (subjects.psnr)(&truth, &estimate, 0);
-    Measurement::new("psnr", "dB off the exact one", (found - exact).abs(), limit)
-        .noted(format!("{found:.9} dB"))
+    let found = (subjects.psnr)(&truth, &estimate, 0)?;
+    let off = Measurement::new("psnr", "dB off the exact one", (found - exact).abs(), limit);
+    Ok(off.noted(format!("{found:.9} dB")))
 }
 
 fn ssim() -> Result<Vec<Measurement>, Stopped> {

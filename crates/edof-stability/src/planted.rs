@@ -7,6 +7,7 @@ use crate::suite::Suite;
 use edof_golden::fast::Fast;
 use edof_golden::{ColourTable, Trace, scalar};
 use edof_image::ColourFrame;
+use edof_metrics::MetricError;
 use edof_network::weight_file;
 use ndarray::{Array2, ArrayView2};
 use std::ops::ControlFlow;
@@ -125,10 +126,10 @@ fn an_unregularised_solve_is_found() {
 
 #[test]
 fn a_sum_over_a_megapixel_in_single_precision_is_found() {
-    fn psnr(truth: &ColourFrame, estimate: &ColourFrame, _border: usize) -> f64 {
+    fn psnr(truth: &ColourFrame, estimate: &ColourFrame, _border: usize) -> Result<f64, MetricError> {
         let sum =
             truth.planes.iter().zip(&estimate.planes).fold(0.0f32, |sum, (a, b)| sum + (a - b) * (a - b));
-        -10.0 * f64::from(sum / truth.planes.len() as f32).log10()
+        Ok(-10.0 * f64::from(sum / truth.planes.len() as f32).log10())
     }
     found(Subjects { psnr, ..Subjects::default() }, &["psnr-megapixel"]);
 }

@@ -3,6 +3,7 @@
 use crate::case::{Promise, Trial};
 use crate::outcome::{Measurement, Outcome};
 use crate::suite::Suite;
+use edof_report::table::{markdown_row, markdown_rule};
 use edof_report::{Figure, Layout, Report};
 use edof_study::made::Made;
 use std::fmt::Write;
@@ -126,20 +127,18 @@ impl Suite {
                     used(outcome),
                     saturations.to_string(),
                 ];
-                let _ = writeln!(text, "| {} |", cells.map(|cell| cell.replace('|', "\\|")).join(" | "));
+                text.push_str(&markdown_row(&cells));
             }
         }
         let bounds = self.bounds();
         if !bounds.is_empty() {
             let _ = write!(
                 text,
-                "\n## Every stage\n\nIn last bits of the stage's result. The ratio is that of the result which came nearest to its own bound.\n\n| {} |\n|{}\n",
-                STAGE_HEADER.join(" | "),
-                "---|".repeat(STAGE_HEADER.len())
+                "\n## Every stage\n\nIn last bits of the stage's result. The ratio is that of the result which came nearest to its own bound.\n\n{}{}",
+                markdown_row(&STAGE_HEADER),
+                markdown_rule(STAGE_HEADER.len())
             );
-            for row in bounds {
-                let _ = writeln!(text, "| {} |", row.join(" | "));
-            }
+            bounds.iter().for_each(|row| text.push_str(&markdown_row(row)));
         }
         text
     }

@@ -4,6 +4,7 @@
 use edof_golden::fast::Fast;
 use edof_golden::{ColourTable, Trace};
 use edof_image::ColourFrame;
+use edof_metrics::MetricError;
 use ndarray::{Array2, ArrayView2};
 
 /// Functions under trial that somebody might break by a slip.
@@ -18,7 +19,7 @@ pub struct Subjects {
     /// The linear map that best explains samples.
     pub least_squares: fn(ArrayView2<'_, f32>, ArrayView2<'_, f32>, f64) -> Array2<f32>,
     /// PSNR inside a border.
-    pub psnr: fn(&ColourFrame, &ColourFrame, usize) -> f64,
+    pub psnr: fn(&ColourFrame, &ColourFrame, usize) -> Result<f64, MetricError>,
 }
 
 impl Default for Subjects {

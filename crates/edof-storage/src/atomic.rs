@@ -1,7 +1,12 @@
-//! Files that appear whole or not at all: written beside their target, flushed, then renamed over it. Folders that are missing
-//! are made. Devices, and pipes that a shell opened (`/dev/stdout`), stay what they are and are written straight.
+//! Files that appear whole or not at all: written beside their target, flushed, then renamed over it, and the folder is flushed.
+//! Folders that are missing are made. Devices, and pipes that a shell opened (`/dev/stdout`), stay what they are and are written straight.
+//!
+//! - A symbolic link stays, and the file that it leads to is written, whether it exists or not.
+//! - A new file has the mode that the umask leaves of 0666. A replaced file keeps its mode, and its owner and group where the system allows.
+//! - No other user can read a temporary file that replaces a private one.
 
 use crate::input;
+use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -16,13 +21,16 @@ pub struct WriteError {
     pub source: std::io::Error,
 }
 
-/// Why something cannot be written: what the system says, in words alone, and what to do where that is known.
+/// Why something cannot be written or started: what the system says, in words alone, and what to do where that is known.
 #[must_use]
 pub fn reason(error: &std::io::Error) -> String {
     use std::io::ErrorKind;
     let advice = match error.kind() {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "; make room there, or name another place",
         ErrorKind::FileTooLarge => "; the shell (ulimit -f) or the file system limits the size of files",
+        ErrorKind::WouldBlock => {
+            "; the limit of processes and threads is reached (ulimit -u, or that of a container)"
+        }
         ErrorKind::ReadOnlyFilesystem => "; name a place on another one",
         _ => "",
     };
@@ -50,14 +58,18 @@ pub fn write_with(
     let attempt = || -> std::io::Result<()> {
         if is_device(path) {
             is_open(path)?;
-            let mut device = std::io::BufWriter::new(std::fs::OpenOptions::new().write(true).open(path)?);
+            let mut device = std::io::BufWriter::new(open(path)?);
             fill(&mut device)?;
             return device.flush();
         }
-        std::fs::create_dir_all(folder(path))?;
+        let path = &target(path)?;
+        let replaced = Replaced::at(path);
+        make_folders(folder(path))?;
         let (temporary, _unfinished) = begin(|| {
-            let file =
-                tempfile::Builder::new().prefix(".edof-").suffix(".partial").tempfile_in(folder(path))?;
+            let mut builder = tempfile::Builder::new();
+            builder.prefix(".edof-").suffix(".partial");
+            replaced.begin(&mut builder);
+            let file = builder.tempfile_in(folder(path))?;
             let name = file.path().to_owned();
             Ok((file, name))
         })?;
@@ -66,10 +78,10 @@ pub fn write_with(
         fill(&mut buffered)?;
         buffered.flush()?;
         drop(buffered);
+        replaced.hand_on(temporary.as_file())?;
         temporary.as_file().sync_all()?;
-        make_readable(temporary.as_file())?;
         temporary.persist(path).map_err(|e| e.error)?;
-        Ok(())
+        sync(folder(path))
     };
     attempt().map_err(|error| WriteError { path: path.to_owned(), source: without_name(error) })
 }
@@ -147,6 +159,7 @@ pub fn check(path: &Path) -> Result<(), WriteError> {
         if is_device(path) {
             return is_open(path);
         }
+        let path = &target(path)?;
         if path.is_dir() {
             return Err(std::io::ErrorKind::IsADirectory.into());
         }
@@ -164,8 +177,39 @@ fn or_here(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }
 
-fn is_device(path: &Path) -> bool {
-    std::fs::metadata(path).is_ok_and(|what| !what.is_file() && !what.is_dir())
+/// Whether a path leads to a device, a pipe, or a file that this process has open already (`/dev/stdout > file`).
+#[must_use]
+pub fn is_device(path: &Path) -> bool {
+    descriptor(path).is_some() || std::fs::metadata(path).is_ok_and(|what| !what.is_file() && !what.is_dir())
+}
+
+/// Name of the open file that a path leads to by the system's links to open files.
+fn descriptor(path: &Path) -> Option<PathBuf> {
+    let mut place = path.to_owned();
+    for _ in 0..MAX_LINKS {
+        if place.parent().is_some_and(|folder| folder.ends_with("self/fd") || folder == Path::new("/dev/fd"))
+        {
+            return place.file_name().map(PathBuf::from);
+        }
+        place = folder(&place).join(fs::read_link(&place).ok()?);
+    }
+    None
+}
+
+/// Opens a device. Standard output and error are continued where they are, so that what is printed besides follows.
+fn open(path: &Path) -> std::io::Result<File> {
+    #[cfg(unix)]
+    {
+        use std::os::fd::AsFd;
+        let number = descriptor(path);
+        if number.as_deref() == Some(Path::new("1")) {
+            return std::io::stdout().as_fd().try_clone_to_owned().map(File::from);
+        }
+        if number.as_deref() == Some(Path::new("2")) {
+            return std::io::stderr().as_fd().try_clone_to_owned().map(File::from);
+        }
+    }
+    fs::OpenOptions::new().append(true).open(path)
 }
 
 /// Rejects a named pipe: opening it waits until somebody reads from it, maybe for ever.
@@ -191,21 +235,148 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     write_with(path, |w| w.write_all(bytes))
 }
 
-/// Temporary files are private to their owner; results are meant to be read like any other file.
+/// Most links from one to the next, as on Linux.
+const MAX_LINKS: usize = 40;
+
+/// Returns the file that writing to `path` writes: where its symbolic links lead, whether there is a file or not.
+///
+/// # Errors
+/// Links that lead in a circle.
+pub fn target(path: &Path) -> std::io::Result<PathBuf> {
+    let mut place = path.to_owned();
+    for _ in 0..MAX_LINKS {
+        match fs::read_link(&place) {
+            Ok(next) => place = folder(&place).join(next),
+            Err(_) => return Ok(place),
+        }
+    }
+    Err(std::io::Error::other("a symbolic link that leads in a circle; delete it, or name another file"))
+}
+
+/// Makes a folder and whatever is missing above it, and flushes the folders that contain them.
+///
+/// # Errors
+/// What the system reports.
+pub(crate) fn make_folders(path: &Path) -> std::io::Result<()> {
+    let missing: Vec<&Path> = path.ancestors().map(or_here).take_while(|folder| !folder.exists()).collect();
+    fs::create_dir_all(path)?;
+    missing.into_iter().try_for_each(|made| sync(folder(made)))
+}
+
+/// Flushes a folder, so that names in it survive a power failure. File systems that cannot do so, and folders that may be
+/// written but not read, are passed over.
+///
+/// # Errors
+/// A folder that the disk fails to keep.
+pub fn sync(folder: &Path) -> std::io::Result<()> {
+    use std::io::ErrorKind::{InvalidInput, Unsupported};
+    #[cfg(test)]
+    tests::SYNCED.with_borrow_mut(|all| all.push(folder.to_owned()));
+    match File::open(folder).map(|folder| folder.sync_all()) {
+        Ok(Err(error)) if !matches!(error.kind(), InvalidInput | Unsupported) => Err(error),
+        _ => Ok(()),
+    }
+}
+
+/// Writes a file that will be renamed over `replaced`, with what such a file keeps, and flushes it.
+///
+/// # Errors
+/// What the system reports.
+pub(crate) fn write_for(replaced: &Path, place: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let replaced = Replaced::at(replaced);
+    let mut options = fs::OpenOptions::new();
+    options.write(true).create_new(true);
+    replaced.open(&mut options);
+    let mut file = options.open(place)?;
+    file.write_all(bytes)?;
+    replaced.hand_on(&file)?;
+    file.sync_all()
+}
+
+/// What a file in the place of another keeps of it: mode, owner and group.
+#[derive(Debug)]
+struct Replaced(Option<fs::Metadata>);
+
 #[cfg(unix)]
-fn make_readable(file: &std::fs::File) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(std::fs::Permissions::from_mode(0o644))
+impl Replaced {
+    /// What is there now; nothing where there is no regular file.
+    fn at(path: &Path) -> Self {
+        Self(fs::symlink_metadata(path).ok().filter(fs::Metadata::is_file))
+    }
+
+    /// Mode of the file while it is written. The umask still takes bits away. Group and others may not read what replaces a file
+    /// before owner and group are right.
+    fn first_mode(&self) -> u32 {
+        use std::os::unix::fs::PermissionsExt;
+        self.0.as_ref().map_or(0o666, |old| old.permissions().mode() & 0o600 | 0o200)
+    }
+
+    fn begin(&self, builder: &mut tempfile::Builder<'_, '_>) {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(self.first_mode()));
+    }
+
+    fn open(&self, options: &mut fs::OpenOptions) {
+        use std::os::unix::fs::OpenOptionsExt;
+        options.mode(self.first_mode());
+    }
+
+    /// Gives a finished file what the replaced one has. If its group cannot be kept, the group of the new file may do no more than all others.
+    fn hand_on(&self, file: &File) -> std::io::Result<()> {
+        use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
+        let Some(old) = &self.0 else { return Ok(()) };
+        let new = file.metadata()?;
+        let mut mode = old.permissions().mode() & 0o777;
+        let owner = (old.uid() != new.uid()).then(|| old.uid());
+        let is_same_group = old.gid() == new.gid() || fchown(file, None, Some(old.gid())).is_ok();
+        if !is_same_group {
+            mode = mode & !0o070 | (mode & 0o070 & ((mode & 0o007) << 3));
+        }
+        // Only root can give a file away; others keep what they write.
+        let _ = owner.map(|owner| fchown(file, Some(owner), None));
+        file.set_permissions(fs::Permissions::from_mode(mode))
+    }
 }
 
 #[cfg(not(unix))]
-fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
-    Ok(())
+impl Replaced {
+    fn at(_: &Path) -> Self {
+        Self(None)
+    }
+
+    fn begin(&self, _: &mut tempfile::Builder<'_, '_>) {}
+
+    fn open(&self, _: &mut fs::OpenOptions) {}
+
+    fn hand_on(&self, _: &File) -> std::io::Result<()> {
+        Ok(())
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::cell::RefCell;
+
+    thread_local! {
+        /// Folders that were flushed.
+        pub static SYNCED: RefCell<Vec<PathBuf>> = const { RefCell::new(vec![]) };
+    }
+
+    #[test]
+    fn a_folder_is_flushed_after_its_file_and_a_new_one_in_the_one_above() {
+        let dir = tempfile::tempdir().unwrap();
+        let synced = |path: &Path| {
+            SYNCED.take();
+            write(path, b"x").unwrap();
+            SYNCED.take()
+        };
+        let at = |name: &str| dir.path().join(name);
+        assert_eq!(synced(&at("x")), [dir.path()]);
+        let mut made = synced(&at("a/b/x"));
+        assert_eq!(made.pop().unwrap(), at("a/b"));
+        assert_eq!(made, [at("a"), dir.path().to_owned()]);
+    }
 
     #[test]
     fn a_failed_write_leaves_the_old_file_and_nothing_else() {

@@ -98,7 +98,7 @@ pub fn write(out: &Path, files: Contents, manifest: &Value, force: bool) -> Resu
     files.insert(MANIFEST.into(), format!("{manifest:#}\n"));
     check(out, force, |_| true)?;
     let is_new = !out.exists();
-    fs::create_dir_all(out).map_err(|e| failed(out, &e))?;
+    atomic::make_folders(out).map_err(|e| failed(out, &e))?;
     // Anybody who writes here at the same time would take our unfinished files for a stranger's. Ends with the process.
     let folder = fs::File::open(out).map_err(|e| failed(out, &e))?;
     if let Err(fs::TryLockError::WouldBlock) = folder.try_lock() {
@@ -133,8 +133,8 @@ fn replace(out: &Path, files: &Contents, force: bool) -> Result<(), FolderError>
     }
     let work = atomic::work_folder(out).map_err(|e| failed(out, &e))?;
     for (path, text) in files {
-        put(&work.path().join(path), |place| fs::write(place, text))
-            .map_err(|e| failed(&out.join(path), &e))?;
+        let put_there = |place: &Path| atomic::write_for(&out.join(path), place, text.as_bytes());
+        put(&work.path().join(path), put_there).map_err(|e| failed(&out.join(path), &e))?;
     }
     // The manifest last: until then the old one lists our files.
     for path in files.keys().filter(|path| **path != *MANIFEST).chain([&PathBuf::from(MANIFEST)]) {
@@ -147,12 +147,14 @@ fn replace(out: &Path, files: &Contents, force: bool) -> Result<(), FolderError>
         // Folders that are empty now go, too.
         let _ = place.parent().map(fs::remove_dir);
     }
-    Ok(())
+    let folders: BTreeSet<&Path> = files.keys().chain(&ours).filter_map(|path| path.parent()).collect();
+    let there = folders.into_iter().map(|folder| out.join(folder)).filter(|folder| folder.is_dir());
+    there.map(|folder| atomic::sync(&folder).map_err(|e| failed(&folder, &e))).collect()
 }
 
 /// Makes a file in a folder that need not be there yet.
 fn put(place: &Path, make: impl FnOnce(&Path) -> io::Result<()>) -> io::Result<()> {
-    place.parent().map_or(Ok(()), fs::create_dir_all)?;
+    place.parent().map_or(Ok(()), atomic::make_folders)?;
     make(place)
 }
 

@@ -8,7 +8,7 @@ use crate::dataset::{Batch, Dataset, DatasetError, DatasetOptions, Place};
 use crate::recipe::{Recipe, RecipeError, value};
 use crate::train::Trainer;
 use edof_camera::Camera;
-use edof_camera::camera::{Delay, Ring, Sign};
+use edof_camera::camera::{Delay, MAX_HEIGHT_UM, Ring, Sign};
 use edof_float::parameters::{Layout, flatten};
 use edof_float::pass::{Pass, weighted_errors};
 use edof_image::colour::RGB_OUTPUTS;
@@ -24,6 +24,8 @@ use std::ops::ControlFlow;
 
 /// Narrowest ring, and narrowest gap between two, as shares of the radius.
 const NARROWEST: f64 = 0.02;
+/// Most rings that are that wide and that far apart.
+const MAX_RINGS: usize = 25;
 /// Largest steps of a radius, of a phase and of the focus at the start.
 const STEPS: [f64; 3] = [0.012, 0.25, 0.2];
 /// What a step is multiplied by after a lens that is better, and after one that is worse.
@@ -106,6 +108,11 @@ pub enum JointError {
     /// A lens without derivatives.
     #[error(transparent)]
     Lens(#[from] GradientError),
+    /// More rings than are narrow enough.
+    #[error(
+        "camera {camera}: has {rings} rings, a search takes {MAX_RINGS} at most: it keeps rings and gaps {NARROWEST} of the radius wide or wider"
+    )]
+    Rings { camera: String, rings: usize },
 }
 
 impl Joint {
@@ -141,24 +148,28 @@ impl Joint {
         }
     }
 
-    /// A search that begins with this lens and network.
+    /// A search that begins with this lens and network. The rings of its lenses are in the order of their radii.
     ///
     /// # Errors
     /// [`JointError`].
     pub fn begin(&self, camera: &Camera, network: &Network) -> Result<JointState, JointError> {
         self.check()?;
         edof_optics::gradient::check(camera)?;
+        if camera.rings.len() > MAX_RINGS {
+            return Err(JointError::Rings { camera: camera.name.clone(), rings: camera.rings.len() });
+        }
+        let camera = in_order(camera);
         if network.form != self.recipe.form {
             return Err(value("form", format!("{:?}", network.form), "the recipe's").into());
         }
         if network.origin.values != self.recipe.tone {
             return Err(value("values", network.origin.values, "linear: a network that takes light").into());
         }
-        let count = parameters(camera).len();
+        let count = parameters(&camera).len();
         Ok(JointState {
             round: 0,
             camera: camera.clone(),
-            best: camera.clone(),
+            best: camera,
             best_db: None,
             direction: vec![0.0; count],
             length: 1.0,
@@ -349,25 +360,49 @@ pub fn values(camera: &Camera) -> Vec<f64> {
     rings.chain([camera.focus_psi]).collect()
 }
 
-/// The camera of these values: radii in order and apart, phases and focus within their ranges.
+/// The same camera, its rings in the order of their radii: phases add, so the order of rings changes no light.
+fn in_order(camera: &Camera) -> Camera {
+    let mut rings = camera.rings.clone();
+    let phase = |ring: &Ring| ring.delay.phase_rad(camera.reference_wavelength_nm);
+    rings.sort_by(|a, b| {
+        let radii = a.inner.total_cmp(&b.inner).then(a.outer.total_cmp(&b.outer));
+        radii.then(phase(a).total_cmp(&phase(b)))
+    });
+    Camera { rings, ..camera.clone() }
+}
+
+/// The camera of these values: radii apart, phases and focus within their ranges. Rings keep their order, so that each keeps the running
+/// means of its gradients, and their kind of delay.
 fn with(camera: &Camera, values: &[f64], max_phase: f64) -> Camera {
     let (rings, focus) = values.split_at(3 * camera.rings.len());
-    let mut from = 0.0;
+    let mut from = 0.0f64;
     let mut left = camera.rings.len();
-    let mut rings: Vec<&[f64]> = rings.chunks(3).collect();
-    rings.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let ring = |value: &[f64]| {
+    let ring = |(value, ring): (&[f64], &Ring)| {
         let room = 2.0 * NARROWEST * (left - 1) as f64;
         left -= 1;
-        let inner = value[0].clamp(from, 1.0 - room - NARROWEST);
-        let outer = value[1].clamp(inner + NARROWEST, 1.0 - room);
+        // Rounding may put the lower bound above the upper one: the ring is then as narrow as it may be.
+        let inner = value[0].min(1.0 - room - NARROWEST).max(from);
+        let outer = value[1].min(1.0 - room).max(inner + NARROWEST).min(1.0);
         from = outer + NARROWEST;
-        let rad = value[2].clamp(-max_phase, max_phase);
-        Ring { inner, outer, delay: Delay::Phase { rad, at_nm: camera.reference_wavelength_nm } }
+        let delay =
+            delayed(ring.delay, value[2].clamp(-max_phase, max_phase), camera.reference_wavelength_nm);
+        Ring { inner, outer, delay }
     };
-    let rings = rings.into_iter().map(ring).collect();
+    let rings = rings.chunks_exact(3).zip(&camera.rings).map(ring).collect();
     let [low, high] = camera.psi_range;
     Camera { rings, focus_psi: focus[0].clamp(low, high), ..camera.clone() }
+}
+
+/// The delay of a phase in radians at a wavelength, of the same kind: an etched ring keeps its glass and changes its height.
+fn delayed(delay: Delay, rad: f64, at_nm: f64) -> Delay {
+    match delay {
+        Delay::Phase { .. } => Delay::Phase { rad, at_nm },
+        Delay::Etched { cauchy, .. } => {
+            let of_a_micrometre = Delay::Etched { height_um: 1.0, cauchy }.phase_rad(at_nm);
+            let height_um = (rad / of_a_micrometre).clamp(-MAX_HEIGHT_UM, MAX_HEIGHT_UM);
+            Delay::Etched { height_um, cauchy }
+        }
+    }
 }
 
 /// A random start: N rings between radii and phases at random, and a focus within the range.

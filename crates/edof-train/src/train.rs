@@ -86,7 +86,7 @@ pub struct Trainer<'a> {
     weights: Vec<f32>,
     scratch: Vec<f32>,
     layout: Layout,
-    pool: rayon::ThreadPool,
+    pool: Pool,
     shares: Vec<Share>,
     validation: ValidationSets,
     /// What a checkpoint holds.
@@ -491,10 +491,32 @@ pub fn check_threads(threads: usize) -> Result<(), RecipeError> {
     (1..=256).contains(&threads).then_some(()).ok_or_else(|| value("threads", threads, "1 to 256"))
 }
 
-fn pool(threads: usize) -> Result<rayon::ThreadPool, RecipeError> {
+/// Threads of a training run.
+#[derive(Debug)]
+enum Pool {
+    Own(rayon::ThreadPool),
+    /// That of the caller, where the system starts no others.
+    Shared,
+}
+
+impl Pool {
+    fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        match self {
+            Self::Own(pool) => pool.install(work),
+            Self::Shared => work(),
+        }
+    }
+}
+
+/// As many threads as are wanted, or as a limit of the system allows: weights do not depend on the number.
+fn pool(threads: usize) -> Result<Pool, RecipeError> {
     check_threads(threads)?;
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|e| value("threads", format!("{threads} ({e})"), "a number the system can start"))
+    let mut count = threads;
+    while count > 0 {
+        if let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(count).build() {
+            return Ok(Pool::Own(pool));
+        }
+        count /= 2;
+    }
+    Ok(Pool::Shared)
 }

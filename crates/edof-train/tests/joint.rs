@@ -153,6 +153,61 @@ fn rounds_repeat_themselves_and_a_stopped_round_changes_nothing() {
 }
 
 #[test]
+fn random_lenses_of_any_number_of_rings_are_in_order_and_apart() {
+    let base = Camera::resolve("ring-outer").unwrap();
+    for (rings, seed) in (0..=25).flat_map(|rings| (0..200).map(move |seed| (rings, seed))) {
+        let camera = random_lens(&base, rings, 10.0, seed);
+        camera.check().unwrap_or_else(|e| panic!("{rings} rings, seed {seed}: {e}"));
+        let edges: Vec<f64> = camera.rings.iter().flat_map(|ring| [ring.inner, ring.outer]).collect();
+        assert!(edges.windows(2).all(|pair| pair[1] - pair[0] > 0.02 - 1e-12), "{rings} rings, seed {seed}");
+    }
+    drop(random_lens(&base, 64, 10.0, 1));
+}
+
+#[test]
+fn rings_that_a_search_has_no_room_for_are_rejected_before_training() {
+    let joint = joint();
+    let camera = |rings| random_lens(&Camera::resolve("ring-outer").unwrap(), rings, joint.max_phase, 5);
+    let begin = |camera: &Camera| joint.begin(camera, &network(&joint, camera)).map(drop);
+    begin(&camera(25)).unwrap();
+    assert_eq!(
+        begin(&camera(26)).unwrap_err().to_string(),
+        "camera ring-outer: has 26 rings, a search takes 25 at most: it keeps rings and gaps 0.02 of the radius wide or wider"
+    );
+    // Glass of the air's index delays no light, so that no height gives a phase.
+    let mut air = camera(2);
+    air.rings[1].delay = Delay::Etched { height_um: 1.0, cauchy: [1.0, 0.0] };
+    let refused = begin(&air).unwrap_err().to_string();
+    assert!(refused.starts_with("camera ring-outer: has an etched ring of index 1"), "{refused}");
+}
+
+/// Rings of a mask in another order are the same mask: phases add.
+#[test]
+fn a_search_does_not_depend_on_the_order_of_rings_and_keeps_etched_ones() {
+    let joint = joint();
+    let mut camera = random_lens(&Camera::resolve("ring-outer").unwrap(), 2, joint.max_phase, 5);
+    camera.rings[0].delay = Delay::Etched { height_um: 0.7, cauchy: [1.5, 0.004] };
+    let mut turned = camera.clone();
+    turned.rings.reverse();
+    let [first, other] = [&camera, &turned].map(|camera| {
+        let mut state = joint.begin(camera, &network(&joint, camera)).unwrap();
+        for _ in 0..2 {
+            assert!(joint.round(&[photo(320)], &mut state, || ControlFlow::Continue(())).unwrap());
+        }
+        state
+    });
+    assert_eq!(first, other);
+    let Delay::Etched { height_um, cauchy } = first.camera.rings[0].delay else {
+        panic!("an etched ring became {:?}", first.camera.rings[0].delay);
+    };
+    assert!(cauchy == [1.5, 0.004] && height_um != 0.7 && (height_um - 0.7).abs() < 0.2, "{height_um}");
+    assert!(matches!(first.camera.rings[1].delay, Delay::Phase { .. }));
+    // The step of the phase is that of the parameter.
+    let moved = values(&first.camera)[2] - values(&first.best)[2];
+    assert!((moved - first.length * first.direction[2]).abs() < 1e-9, "{moved}");
+}
+
+#[test]
 fn searches_out_of_range_are_rejected() {
     let wrong = |joint: Joint| joint.check().unwrap_err().to_string();
     assert_eq!(wrong(Joint { rounds: 0, ..joint() }), "rounds 0: must be 1 to 10000");

@@ -236,7 +236,7 @@ fn measure(
     for shot in &shots {
         let (scene, raw) = shot.taken(network, ui)?;
         let (_, frame) = golden.frame_of_light(&raw).map_err(|e| shot.failed(e))?;
-        db += psnr(&shown(&scene.sharp(), tone), &shown(&frame, tone), BORDER) / shots.len() as f64;
+        db += psnr(&shown(&scene.sharp(), tone), &shown(&frame, tone), BORDER)? / shots.len() as f64;
         let pairs = explore::pairs(&model, network, &raw.encoded(network.origin.values), interrupt::flow);
         interrupt::check()?;
         pictures.push(pairs.map_err(|e| shot.failed(e))?);

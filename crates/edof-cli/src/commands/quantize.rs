@@ -212,7 +212,7 @@ fn judge(
     scenes: &[Scene<'_>],
 ) -> Result<Evaluation, Error> {
     let float = FloatReconstructor::new(network.clone(), options.stride, options.overlap, Output::Ycc422)?;
-    Ok(evaluate(&float, golden, scenes, |sharp, estimate| edof_metrics::psnr(sharp, estimate, BORDER))?)
+    evaluate(&float, golden, scenes, |sharp, estimate| Ok(edof_metrics::psnr(sharp, estimate, BORDER)?))
 }
 
 /// `x.safetensors` gives `x.fixed.safetensors` beside it; a name gives it under `weights/`.

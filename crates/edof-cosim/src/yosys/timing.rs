@@ -118,9 +118,11 @@ pub fn parts(
         }
     };
     std::thread::scope(|scope| {
-        for _ in 0..AT_ONCE.min(wanted.len()) {
-            scope.spawn(worker);
+        // This thread is a worker, too: all is done, however few others can be started.
+        for _ in 1..AT_ONCE.min(wanted.len()) {
+            let _ = std::thread::Builder::new().spawn_scoped(scope, worker);
         }
+        worker();
     });
     let mut all = BTreeMap::new();
     for (module, timing) in found.into_inner().unwrap_or_default() {

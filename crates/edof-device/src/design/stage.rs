@@ -45,13 +45,15 @@ pub struct StagePlan {
 pub const MAX_ROWS: usize = 4;
 /// Banks that share the registers of what passes through all banks (`rtl/edof_macc_array.v`).
 pub const GROUP_BANKS: usize = 8;
-/// Windows that fit the window ring's addresses.
-const MAX_WINDOWS: usize = 32;
+/// Rows of two pixels that the window ring's memory has addresses for.
+const RING_ROWS: usize = 4096;
 
-/// Windows that wait for F: as many vectors as lie in the stages before it, and more, so that they never wait for room here; a power
-/// of two, so that a place is some bits of an address.
-fn kept_windows(layers: usize) -> usize {
-    (6 * layers).next_power_of_two().min(MAX_WINDOWS)
+/// Windows that wait for F: six for each layer, as many vectors as are in the stages before F and more. With the ring full the input waits.
+/// The number is a power of two, so that a place is some bits of an address. Windows of side 12 take 128 rows each, so that 32 of them fill
+/// the memory.
+fn kept_windows(layers: usize, pixels: usize) -> usize {
+    let rows = (pixels / BEAT).next_power_of_two();
+    (6 * layers).next_power_of_two().min(RING_ROWS / rows)
 }
 
 impl StagePlan {
@@ -77,7 +79,7 @@ impl StagePlan {
             rows: size.rows,
             feeds_m,
             sends_difference: form.recurrence == Recurrence::Difference && kind == Kind::M && feeds_m,
-            kept_windows: if linear > 0 { kept_windows(form.layers) } else { 0 },
+            kept_windows: if linear > 0 { kept_windows(form.layers, linear) } else { 0 },
         }
     }
 

@@ -31,8 +31,8 @@ pub struct WindowRing {
     pub finished: Signal<In, Bit>,
     ram: Ram<32>,
     large: Constant<Bit>,
-    last_window: Constant<Bits<5>>,
-    max_windows: Constant<Bits<6>>,
+    last_window: Constant<Bits<6>>,
+    max_windows: Constant<Bits<7>>,
     #[reset(false)]
     write_q: DFF<Bit>,
     pixels_q: DFF<Pair>,
@@ -40,16 +40,16 @@ pub struct WindowRing {
     #[reset(0)]
     write_beat: DFF<Bits<7>>,
     #[reset(0)]
-    write_window: DFF<Bits<5>>,
+    write_window: DFF<Bits<6>>,
     #[reset(0)]
-    oldest: DFF<Bits<5>>,
+    oldest: DFF<Bits<6>>,
     #[reset(0)]
-    held: DFF<Bits<6>>,
+    held: DFF<Bits<7>>,
     #[reset(false)]
     ready_q: DFF<Bit>,
     accept: Signal<Local, Bit>,
     arrived: Signal<Local, Bit>,
-    held_next: Signal<Local, Bits<6>>,
+    held_next: Signal<Local, Bits<7>>,
 }
 
 impl WindowRing {
@@ -93,14 +93,14 @@ impl Logic for WindowRing {
         self.ram.write_enable.next = self.write_q.q.val();
         self.ram.write_data.next = self.pixels_q.q.val();
         self.ram.write_address.next =
-            (bit_cast::<12, 5>(self.write_window.q.val()) << 5) | bit_cast::<12, 7>(self.write_beat.q.val());
+            (bit_cast::<12, 6>(self.write_window.q.val()) << 5) | bit_cast::<12, 7>(self.write_beat.q.val());
         self.ram.read_address.next =
-            (bit_cast::<12, 5>(self.oldest.q.val()) << 5) | bit_cast::<12, 7>(self.read_pair.val());
+            (bit_cast::<12, 6>(self.oldest.q.val()) << 5) | bit_cast::<12, 7>(self.read_pair.val());
         if self.large.val() {
-            self.ram.write_address.next = (bit_cast::<12, 5>(self.write_window.q.val()) << 7)
+            self.ram.write_address.next = (bit_cast::<12, 6>(self.write_window.q.val()) << 7)
                 | bit_cast::<12, 7>(self.write_beat.q.val());
             self.ram.read_address.next =
-                (bit_cast::<12, 5>(self.oldest.q.val()) << 7) | bit_cast::<12, 7>(self.read_pair.val());
+                (bit_cast::<12, 6>(self.oldest.q.val()) << 7) | bit_cast::<12, 7>(self.read_pair.val());
         }
         self.read_pixels.next = self.ram.read_data.val();
 

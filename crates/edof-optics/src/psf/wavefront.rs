@@ -3,7 +3,7 @@
 //! The steps are those of the round case ([`super::round`]). The only symmetry left is that light is real.
 
 use super::grid::Grid;
-use super::wave_um;
+use super::{OUTSIDE, wave_um};
 use crate::pupil::Pupil;
 use edof_camera::camera::{Aberration, Camera};
 use edof_numerics::fft::{Complex64, Fft, Real};
@@ -19,23 +19,31 @@ const BLOCK: usize = 4;
 /// Most points along a side of the finest grid.
 const MAX_POINTS: usize = 4096;
 
-/// Most of the light of a mask that may fall beyond the middle half of the support's sides; where more does, some is beyond the support.
-const OUTSIDE: f64 = 0.02;
-
-/// The support that a grid has room for, at most `wanted` pixels a side. A mask of any shape may throw light farther than its lens: then
-/// it is larger, as far as there is room.
-pub fn support(camera: &Camera, wavelength_nm: f64, psi: f64, wanted: usize) -> usize {
+/// The largest support that a grid has room for, in pixels a side.
+pub fn room(camera: &Camera, wavelength_nm: f64) -> usize {
     let room = MAX_POINTS / steps_a_pixel(camera, wavelength_nm);
     let room = if room.is_power_of_two() { room } else { room.next_power_of_two() / 2 };
+    room.min(super::SUPPORT)
+}
+
+/// The support that a grid has room for, at most `wanted` pixels a side. A mask of any shape may throw light farther than its lens: then
+/// it is larger, as far as there is room. With it comes the share of light that still falls near the edges of the largest support, and so
+/// beyond it; 0 where that is less than [`OUTSIDE`].
+pub fn support(camera: &Camera, wavelength_nm: f64, psi: f64, wanted: usize) -> (usize, f64) {
+    let room = room(camera, wavelength_nm);
     let mut support = wanted.min(room);
-    while camera.height_map.is_some() && support < room.min(super::SUPPORT) {
+    while camera.height_map.is_some() {
         let sums = square_sums(&whole_psf(camera, wavelength_nm, psi, support));
-        if sums[support / 4] >= 1.0 - OUTSIDE {
-            break;
+        // With room left the middle half of the sides must hold the light, else three quarters.
+        let within = if support < room { support / 4 } else { 3 * support / 8 };
+        let outside = 1.0 - sums[within];
+        match (outside <= OUTSIDE, support < room) {
+            (true, _) => break,
+            (false, true) => support *= 2,
+            (false, false) => return (support, outside),
         }
-        support *= 2;
     }
-    support
+    (support, 0.0)
 }
 
 /// The PSF at one wavelength, integrated over pixels: offset (r, c) from the middle at index (r, c) modulo `support`. Sums to 1.
@@ -197,7 +205,7 @@ fn pupil(camera: &Camera, wavelength_nm: f64, psi: f64, grid: Grid) -> Array2<Co
 }
 
 /// One Zernike term, ready to be evaluated.
-struct Term {
+pub struct Term {
     rms_nm: f64,
     /// Azimuthal order; of sines where it is below zero.
     m: i32,
@@ -207,7 +215,7 @@ struct Term {
 
 impl Term {
     /// Noll's Z_j = √(n + 1)·R(ρ)·(1, √2·cos mθ for even j, √2·sin mθ for odd j).
-    fn new(Aberration { noll, rms_nm }: &Aberration) -> Self {
+    pub fn new(Aberration { noll, rms_nm }: &Aberration) -> Self {
         let (mut n, mut rest) = (0i32, *noll as i32 - 1);
         while rest > n {
             n += 1;
@@ -230,6 +238,20 @@ impl Term {
         let radial: f64 = self.radial.iter().map(|&(factor, power)| factor * rho.powi(power)).sum();
         let turn = f64::from(self.m) * angle;
         self.rms_nm * radial * if self.m < 0 { -turn.sin() } else { turn.cos() }
+    }
+
+    /// Slope of the path in nanometres per radius of the aperture, outward and around.
+    pub fn slope(&self, rho: f64, angle: f64) -> (f64, f64) {
+        let m = f64::from(self.m);
+        let (sine, cosine) = (m * angle).sin_cos();
+        let (wave, turned) = if self.m < 0 { (-sine, -cosine) } else { (cosine, -sine) };
+        let (mut outward, mut around) = (0.0, 0.0);
+        for &(factor, power) in self.radial.iter().filter(|(_, power)| *power > 0) {
+            let value = factor * rho.powi(power - 1);
+            outward += f64::from(power) * value * wave;
+            around += m * value * turned;
+        }
+        (self.rms_nm * outward, self.rms_nm * around)
     }
 }
 
@@ -403,7 +425,7 @@ mod tests {
 
     #[test]
     fn light_that_a_mask_throws_far_has_room() {
-        let support = |camera: &Camera| support(camera, 535.0, 0.0, 256);
+        let support = |camera: &Camera| support(camera, 535.0, 0.0, 256).0;
         assert_eq!(support(&masked(|x, y| 0.5 * (x * x + y * y))), 256);
         let mut far = masked(|x, _| 0.5 + 0.5 * (6.0 * std::f64::consts::PI * x).cos());
         far.height_map.as_mut().unwrap().white_um = 20.0;

@@ -1,7 +1,8 @@
 //! A file of lines to which one process at a time adds: each line is on the disk before the next is measured.
 
 use super::JournalError;
-use edof_storage::{atomic::WriteError, input};
+use edof_storage::atomic::{self, WriteError};
+use edof_storage::input;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
@@ -84,6 +85,9 @@ impl Locked {
             }
             // Anybody who had it may have put a finished file in its place meanwhile.
             if is_at(&file, path).map_err(failed)? {
+                if is_new {
+                    atomic::sync(folder.unwrap_or(Path::new("."))).map_err(failed)?;
+                }
                 let length = file.metadata().map_err(failed)?.len();
                 return Ok(Self { path: path.to_owned(), file, length, is_new });
             }

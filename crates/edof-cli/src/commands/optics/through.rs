@@ -199,7 +199,7 @@ fn words(error: JointError, chosen: &[Photograph]) -> Error {
         JointError::Dataset(error) => said::dataset(error, |i| {
             chosen.get(i).map_or_else(String::new, |photo| photo.file.display().to_string())
         }),
-        JointError::Lens(error) => error.into(),
+        error @ (JointError::Lens(_) | JointError::Rings { .. }) => error.into(),
     }
 }
 

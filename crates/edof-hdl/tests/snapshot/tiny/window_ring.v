@@ -9,8 +9,8 @@
 `default_nettype none
 
 module window_ring #(
-  parameter [4:0] LAST_WINDOW = 5'd0,
-  parameter [5:0] MAX_WINDOWS = 6'd0,
+  parameter [5:0] LAST_WINDOW = 6'd0,
+  parameter [6:0] MAX_WINDOWS = 7'd0,
   parameter DEPTH = 0
 ) (
   input wire clock_i,               // Clock.
@@ -27,12 +27,11 @@ module window_ring #(
 
   localparam LARGE = 1'b0;
 
-  reg [5:0] held_next, held_q;
+  reg [6:0] held_next, write_beat_q, held_q;
   reg [11:0] ram_read_address, ram_write_address;
   reg write_q, last_q, ready_q;
   reg [31:0] pixels_q;
-  reg [6:0] write_beat_q;
-  reg [4:0] write_window_q, oldest_q;
+  reg [5:0] write_window_q, oldest_q;
 
   // window_ring.rs:78
   assign ready_o = ready_q;
@@ -42,17 +41,17 @@ module window_ring #(
   // window_ring.rs:81
   always @* begin
     held_next = held_q;
-    if (arrived && !finished_i) held_next = held_q + 6'd1;
-    else if (finished_i && !arrived) held_next = held_q - 6'd1;
+    if (arrived && !finished_i) held_next = held_q + 7'd1;
+    else if (finished_i && !arrived) held_next = held_q - 7'd1;
   end
 
   // window_ring.rs:95
   always @* begin
-    ram_write_address = ({7'd0, write_window_q} << 5) | {5'd0, write_beat_q};
-    ram_read_address = ({7'd0, oldest_q} << 5) | {5'd0, read_pair_i};
+    ram_write_address = ({6'd0, write_window_q} << 5) | {5'd0, write_beat_q};
+    ram_read_address = ({6'd0, oldest_q} << 5) | {5'd0, read_pair_i};
     if (LARGE) begin
-      ram_write_address = {write_window_q, write_beat_q};
-      ram_read_address = {oldest_q, read_pair_i};
+      ram_write_address = ({6'd0, write_window_q} << 7) | {5'd0, write_beat_q};
+      ram_read_address = ({6'd0, oldest_q} << 7) | {5'd0, read_pair_i};
     end
   end
 
@@ -72,17 +71,17 @@ module window_ring #(
       write_beat_q <= write_beat_q + 7'd1;
       if (last_q) begin
         write_beat_q <= 7'd0;
-        write_window_q <= (write_window_q + 5'd1) & LAST_WINDOW;
+        write_window_q <= (write_window_q + 6'd1) & LAST_WINDOW;
       end
     end
-    if (finished_i) oldest_q <= (oldest_q + 5'd1) & LAST_WINDOW;
+    if (finished_i) oldest_q <= (oldest_q + 6'd1) & LAST_WINDOW;
     // window_ring.rs:12: Reset.
     if (reset_i) begin
       write_q <= 1'b0;
       write_beat_q <= 7'd0;
-      write_window_q <= 5'd0;
-      oldest_q <= 5'd0;
-      held_q <= 6'd0;
+      write_window_q <= 6'd0;
+      oldest_q <= 6'd0;
+      held_q <= 7'd0;
       ready_q <= 1'b0;
     end
   end
