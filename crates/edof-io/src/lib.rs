@@ -12,6 +12,7 @@
 //! | DNG: a camera's raw frame with its levels and colours | [`dng`] |
 //! | other cameras' raw files, with the feature `camera-raw` | [`camera_raw`] |
 //! | picture files, before either meaning is given to them | [`picture`], its pixels [`samples`] |
+//! | what a picture file states of its transfer curve | [`transfer`] |
 //! | PGM and PPM with any maximum value | [`pnm`] |
 //!
 //! Everything is written through [`edof_storage::atomic`]: a file appears whole or not at all.
@@ -44,3 +45,5 @@ pub mod read_warnings;
 pub mod record;
 pub mod rendering;
 pub mod samples;
+mod tiff;
+pub mod transfer;
