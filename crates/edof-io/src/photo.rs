@@ -47,7 +47,7 @@ pub struct Folder {
     pub photographs: Vec<Named>,
     /// What was wrong with each that had to be skipped.
     pub skipped: Vec<PhotoError>,
-    /// A line for each photograph whose samples are not sRGB codes by its file's own statement.
+    /// A line for each photograph that states another curve than sRGB's.
     pub remarks: Vec<String>,
 }
 
@@ -61,12 +61,12 @@ pub struct Photograph {
 }
 
 impl Photograph {
-    /// Returns a line that states that the values are other than the sRGB codes that a folder's photographs are taken for.
+    /// Returns a line for a photograph of a folder that states another curve than sRGB's.
     #[must_use]
     pub fn remark(&self, path: &Path) -> Option<String> {
         let stated = self.transfer.as_ref().filter(|transfer| transfer.curve != Curve::Srgb)?;
         Some(format!(
-            "{}: states {stated}; its values are taken as those of the other photographs, convert it to sRGB",
+            "{}: states {stated}; the photographs of a folder are all read by one --tone, convert it if it is of another",
             path.display()
         ))
     }

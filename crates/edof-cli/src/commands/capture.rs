@@ -63,9 +63,9 @@ pub struct Args {
     psf_bank: Option<PathBuf>,
 
     /// Encoding of pictures, the photograph's and those of --sharp and --light: srgb, or linear (the paper's convention: samples are
-    /// linear light)
-    #[arg(long, default_value_t = Tone::Srgb, value_name = "TONE")]
-    tone: Tone,
+    /// linear light) [default: linear if the photograph's file states so (gAMA, cICP, ICC profile), else srgb]
+    #[arg(long, value_name = "TONE")]
+    tone: Option<Tone>,
 
     #[command(flatten)]
     drawing: Drawing,
@@ -198,7 +198,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         black_level: args.black_level,
     };
     sensor.check().map_err(of_sensor)?;
-    let scene = match listed {
+    let (scene, tone) = match listed {
         Some(file) => file.scene(args.tone, &camera, ui)?,
         None => open(&args, &camera, ui)?,
     };
@@ -215,16 +215,16 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let shot = taken.map_err(|e| args.of_scene(&e))?;
     let steps = shot.depths.len() + 1;
     raw::save(&args.out, &shot.raw)?;
-    let record = record_of(&args, &camera, &scene, &shot.raw, ui);
+    let record = record_of(&args, &camera, &scene, tone, &shot.raw, ui);
     record::save(&args.out, &record)?;
     if let Some(path) = &args.video {
         save_video(path, args.values, &record, &shot.raw)?;
     }
     if let Some(path) = &args.sharp {
-        photo::save(path, &args.tone.encoded(&scene.sharp()), 16)?;
+        photo::save(path, &tone.encoded(&scene.sharp()), 16)?;
     }
     if let Some(path) = &args.light {
-        photo::save(path, &args.tone.encoded(&shot.light), 16)?;
+        photo::save(path, &tone.encoded(&shot.light), 16)?;
     }
     // A bank's kernels are used as they are: nothing is approximated.
     let costs = if !args.measure || args.exact || args.no_measure || camera.psf_bank.is_some() {
@@ -237,8 +237,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (height, width) = scene.size();
     let psi = scene.layers.iter().map(|layer| layer.psi).collect();
     let Capture { depths, seconds, .. } = shot;
-    let (scene, camera, tone, noise, out) =
-        (scene.name, camera.name, args.tone, args.noise, args.out.display().to_string());
+    let (scene, camera, noise, out) =
+        (scene.name, camera.name, args.noise, args.out.display().to_string());
     ui.json(&Captured {
         scene,
         camera,
@@ -287,7 +287,14 @@ fn save_video(path: &Path, values: Tone, record: &RawRecord, frame: &RawFrame) -
 }
 
 /// What the raw frame cannot say of itself.
-fn record_of(args: &Args, camera: &Camera, scene: &Scene, frame: &RawFrame, ui: &Ui) -> RawRecord {
+fn record_of(
+    args: &Args,
+    camera: &Camera,
+    scene: &Scene,
+    tone: Tone,
+    frame: &RawFrame,
+    ui: &Ui,
+) -> RawRecord {
     ui.used(camera.input());
     RawRecord {
         phase: frame.phase(),
@@ -300,7 +307,7 @@ fn record_of(args: &Args, camera: &Camera, scene: &Scene, frame: &RawFrame, ui: 
         colour_matrix: None,
         camera: camera.clone(),
         psi: scene.layers.iter().map(|layer| layer.psi).collect(),
-        tone: args.tone,
+        tone,
         values: Tone::Linear,
         noise: args.noise,
         sha256: Input::raw_frame(&scene.name, frame).sha256,
@@ -308,8 +315,8 @@ fn record_of(args: &Args, camera: &Camera, scene: &Scene, frame: &RawFrame, ui: 
     }
 }
 
-/// A built-in scene by its name, or a photograph.
-fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<Scene, Error> {
+/// A built-in scene by its name, or a photograph; and the tone of its pictures.
+fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<(Scene, Tone), Error> {
     if parse_name(&args.scene).is_ok() && !Path::new(&args.scene).exists() {
         if let Some(map) = &args.depth_map {
             return Err(Error::message(format!(
@@ -318,7 +325,7 @@ fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<Scene, Error> {
                 args.scene
             )));
         }
-        return args.drawing.draw(&args.scene, camera);
+        return Ok((args.drawing.draw(&args.scene, camera)?, args.tone.unwrap_or(Tone::Srgb)));
     }
     if let Some(size) = args.drawing.size {
         return Err(Error::message(format!(
@@ -340,11 +347,11 @@ fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<Scene, Error> {
             "--psi: expected one value, because a photograph is at one depth; or use --depth-map",
         ));
     };
-    let photograph = pictures::load(path, ui)?;
+    let (photograph, tone) = pictures::load(path, args.tones(), ui)?;
     let (height, width) = photograph.size();
     fits(width, height)?;
     ui.used(Input::photograph(&name, &photograph));
-    Ok(Scene::flat(name, args.tone.into_decoded(photograph), psi))
+    Ok((Scene::flat(name, tone.into_decoded(photograph), psi), tone))
 }
 
 /// A photograph with a depth map.
