@@ -58,7 +58,10 @@ pub const SCENES: &[Row] = &[
     (
         "reconstruct r-white.png",
         REREAD,
-        &["r-white.png.json: white level 0: must be more than 0 and at most 4096", "correct the file, or move it elsewhere"],
+        &[
+            "r-white.png.json: white level 0: must be more than 0 and at most 4096",
+            "correct the file, or move it elsewhere",
+        ],
     ),
     (
         "reconstruct r-white.png --white-level -3",

@@ -33,7 +33,9 @@ impl Tones {
             (None, Some(_)) => self.usual,
             (given, None) => {
                 let tone = given.unwrap_or(self.usual);
-                ui.note(format!("{shown}: states {stated}, which is not applied; its values are taken as {tone}"));
+                ui.note(format!(
+                    "{shown}: states {stated}, which is not applied; its values are taken as {tone}"
+                ));
                 tone
             }
         }

@@ -261,6 +261,24 @@ mod tests {
     }
 
     #[test]
+    fn a_photograph_of_a_folder_that_states_another_curve_is_remarked_on() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        save(&at("a1.png"), &ramp(), 8).unwrap();
+        let png = std::fs::read(at("a1.png")).unwrap();
+        // gAMA 1, with its checksum.
+        let gamma = b"\0\0\0\x04gAMA\0\x01\x86\xa0\x31\xe8\x96\x5f";
+        std::fs::write(at("b2.png"), [&png[..33], gamma, &png[33..]].concat()).unwrap();
+        let found = load_folder(dir.path()).unwrap();
+        assert_eq!((found.photographs.len(), found.skipped.len(), found.remarks.len()), (2, 0, 1));
+        let words =
+            "b2.png: states linear light (gAMA 1); the photographs of a folder are all read by one --tone";
+        assert!(found.remarks[0].contains(words), "{}", found.remarks[0]);
+        let chosen = crate::photos::load(dir.path(), &crate::photos::Selection::All).unwrap();
+        assert_eq!(chosen.remarks, found.remarks);
+    }
+
+    #[test]
     fn a_folder_without_a_usable_photograph_is_rejected() {
         let dir = tempfile::tempdir().unwrap();
         assert!(load_folder(dir.path()).unwrap_err().to_string().contains("contains no photographs"));

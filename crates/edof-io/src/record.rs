@@ -372,7 +372,12 @@ mod tests {
             std::fs::write(path_of(&path), foreign).unwrap();
             let found = load(&path).unwrap();
             assert_eq!(found, Sidecar::Foreign(path_of(&path)), "{foreign}");
-            assert!(found.remark().unwrap().ends_with("frame.png.json: is not a raw-frame record of edof; passed over"));
+            assert!(
+                found
+                    .remark()
+                    .unwrap()
+                    .ends_with("frame.png.json: is not a raw-frame record of edof; passed over")
+            );
             assert!(!is_beside(&path));
         }
         std::fs::write(path_of(&path), [0xff, 0xfe, 0]).unwrap();
@@ -437,7 +442,9 @@ mod tests {
         let (path, ..) = taken(folder.path(), "frame.png", CfaPhase::Rggb);
         let whole = std::fs::read_to_string(path_of(&path)).unwrap();
         let no_hash = whole.replace("\"sha256\"", "\"sha1\"");
-        for damaged in [&whole[..whole.len() / 2], &whole[..14], &no_hash, "{\"phase\": \"rggb\", \"sha256\": 3}"] {
+        for damaged in
+            [&whole[..whole.len() / 2], &whole[..14], &no_hash, "{\"phase\": \"rggb\", \"sha256\": 3}"]
+        {
             std::fs::write(path_of(&path), damaged).unwrap();
             let error = load(&path).unwrap_err();
             assert!(matches!(error, RecordError::Invalid { .. }) && is_beside(&path), "{damaged}");

@@ -1,12 +1,14 @@
 //! `edof capture`.
 
 use crate::commands::scene::{Drawing, fits};
+use crate::depth_map::{DepthMap, MapOf};
 use crate::error::Error;
 use crate::files::Files;
-use crate::lens::{self, Depth, DepthRange, Lens};
+use crate::lens::{self, DepthRange, Lens};
+use crate::pictures::{self, Tones};
 use crate::scene_file::{self, ListedScene};
 use crate::ui::Ui;
-use crate::{memory, pictures, said};
+use crate::{memory, said};
 use edof_camera::Camera;
 use edof_image::frame::FrameError;
 use edof_image::words::count;
@@ -18,14 +20,15 @@ use edof_io::{photo, raw};
 use edof_optics::capture::{
     Approximation, ApproximationCost, Capture, CaptureError, Kernel, capture_told, measure_approximation_told,
 };
-use edof_optics::depth::{distance_m, psi_at};
+use edof_optics::depth::distance_m;
+use edof_optics::depth_map::Unit;
 use edof_optics::draw::parse_name;
 use edof_optics::layers;
 use edof_optics::psf::Settings;
 use edof_optics::scene::Scene;
 use edof_optics::sensor::{Sensor, SensorError};
 use edof_storage::provenance::Input;
-use ndarray::{Array2, ArrayView2, Axis, s};
+use ndarray::{Axis, s};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -43,6 +46,7 @@ use std::path::{Path, PathBuf};
 /// sensor and the time saved (this takes several times as long). --exact approximates nothing.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
+#[command(group(clap::ArgGroup::new("map_scale").args(["range", "map_unit"]).multiple(true)))]
 pub struct Args {
     /// A photograph (PNG, JPEG, WebP, TIFF, BMP, PPM), a JSON file that lists layers with mattes and depths, or chart, chart-4, leaves,
     /// leaves-4, which are synthetic scenes of linear light
@@ -70,18 +74,24 @@ pub struct Args {
     #[command(flatten)]
     drawing: Drawing,
 
-    /// Depth map: a grey picture of the photograph's size, white nearest
-    #[arg(long, value_name = "FILE", requires = "range", conflicts_with = "psi")]
+    /// Depth map: a grey picture of the photograph's size, white nearest; or distances (--map-of, --map-unit)
+    #[arg(long, value_name = "FILE", requires = "map_scale", conflicts_with = "psi")]
     depth_map: Option<PathBuf>,
 
-    /// Depths NEAR:FAR of white and black of the depth map: two values of ψ (radians), or two distances as in 0.7m:3m
+    /// Depths NEAR:FAR of white and black of the depth map: two values of ψ (radians), or two distances as in 0.7m:3m. With
+    /// --map-unit, limits: nearer and farther pixels are taken to be at the limits
     #[arg(long, value_name = "NEAR:FAR", requires = "depth_map", allow_hyphen_values = true)]
     range: Option<DepthRange>,
 
     /// Meaning of the depth map's values: nearness (proportional to ψ, that is to one over the distance; white is NEAR), or
-    /// distance (black is NEAR, white is FAR), as range finders and renderers give it
+    /// distance (black is NEAR, white is FAR), as range finders and renderers give it; with --map-unit always distance
     #[arg(long, value_enum, default_value_t = MapOf::Nearness, value_name = "KIND")]
     map_of: MapOf,
+
+    /// Unit of the depth map's values, which are distances then: mm, cm or m, or a multiple as in 0.2mm. 0 and 65535 are pixels without
+    /// a reading; each takes the nearest reading. The camera must state nominal_m, or give --nominal
+    #[arg(long, value_name = "UNIT", requires = "depth_map")]
+    map_unit: Option<Unit>,
 
     /// Largest number of layers that the photograph is cut into
     #[arg(long, default_value_t = layers::USUAL, value_name = "N")]
@@ -147,18 +157,10 @@ pub struct Args {
     light: Option<PathBuf>,
 }
 
-/// What the values of a depth map are proportional to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum MapOf {
-    /// One over the distance, white nearest.
-    Nearness,
-    /// The distance, white farthest.
-    Distance,
-}
-
 const EXAMPLES: &str = "\
 Examples:
   edof capture photo.jpg --depth-map depth.png --range 8:0 --out raw.png
+  edof capture photo.jpg --depth-map millimetres.png --map-unit mm --nominal 3 --out raw.png
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png
   edof capture scene.json --out raw.png
   edof capture photo.png --psf-bank lens.npz --psi 4 --out raw.png
@@ -237,8 +239,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (height, width) = scene.size();
     let psi = scene.layers.iter().map(|layer| layer.psi).collect();
     let Capture { depths, seconds, .. } = shot;
-    let (scene, camera, noise, out) =
-        (scene.name, camera.name, args.noise, args.out.display().to_string());
+    let (scene, camera, noise, out) = (scene.name, camera.name, args.noise, args.out.display().to_string());
     ui.json(&Captured {
         scene,
         camera,
@@ -334,8 +335,8 @@ fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<(Scene, Tone), Error> {
     }
     let path = Path::new(&args.scene);
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    if let (Some(map), Some(range)) = (&args.depth_map, args.range) {
-        return layered(args, name, map, range, camera, ui);
+    if let Some(map) = &args.depth_map {
+        return layered(args, name, map, camera, ui);
     }
     if let Some(range) = args.range {
         return Err(Error::message(format!(
@@ -354,16 +355,9 @@ fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<(Scene, Tone), Error> {
     Ok((Scene::flat(name, tone.into_decoded(photograph), psi), tone))
 }
 
-/// A photograph with a depth map.
-fn layered(
-    args: &Args,
-    name: String,
-    map: &Path,
-    range: DepthRange,
-    camera: &Camera,
-    ui: &Ui,
-) -> Result<Scene, Error> {
-    let depths = photo::load_grey(map)?;
+/// A photograph with a depth map, and the tone of its values.
+fn layered(args: &Args, name: String, map: &Path, camera: &Camera, ui: &Ui) -> Result<(Scene, Tone), Error> {
+    let depths = DepthMap::load(map, args.map_of, args.map_unit, args.range)?;
     let photograph = photo::load(Path::new(&args.scene))?;
     if depths.dim() != photograph.size() {
         let ((height, width), (rows, columns)) = (depths.dim(), photograph.size());
@@ -377,32 +371,20 @@ fn layered(
     layers::check(args.layers).map_err(|e| Error::message(format!("--{e}")))?;
     let job = format!("{width}x{height} in --layers {}", args.layers);
     memory::check(&job, scene_file::bytes_a_pixel(args.layers) * (width * height) as f64)?;
-    let photograph = pictures::load(Path::new(&args.scene), ui)?;
+    let (photograph, tone) = pictures::load(Path::new(&args.scene), args.tones(), ui)?;
     ui.used(Input::photograph(&name, &photograph));
-    ui.used(Input::photograph("depth map", &ColourFrame { planes: depths.clone().insert_axis(Axis(0)) }));
-    let psi = args.map_of.psis(&depths.slice(s![..height, ..width]), range, camera)?;
-    layers::from_depths(&name, &args.tone.into_decoded(photograph), &psi, args.layers)
-        .map_err(|e| said::of_file(map, e))
-}
-
-impl MapOf {
-    /// ψ of each pixel from a map of 0…1.
-    fn psis(self, map: &ArrayView2<f32>, range: DepthRange, camera: &Camera) -> Result<Array2<f32>, Error> {
-        let [near, far] = range.ends(camera).map_err(|e| Error::message(format!("--range {e}")))?;
-        match (self, range.near, range.far) {
-            (Self::Nearness, ..) => Ok(map.mapv(|v| (far + f64::from(v) * (near - far)) as f32)),
-            (Self::Distance, Depth::Metres(first), Depth::Metres(last)) if last.is_finite() => {
-                Ok(map.mapv(|v| {
-                    let metres = first + f64::from(v) * (last - first);
-                    psi_at(camera, metres, camera.nominal_m.unwrap_or(f64::INFINITY)) as f32
-                }))
-            }
-            _ => Err(Error::message("--map-of distance: --range must be two distances, as in 0.7m:3m")),
-        }
-    }
+    ui.used(Input::photograph("depth map", &ColourFrame { planes: depths.shares().insert_axis(Axis(0)) }));
+    let psi = depths.psis(map, camera, ui)?.slice_move(s![..height, ..width]);
+    let scene = layers::from_depths(&name, &tone.into_decoded(photograph), &psi, args.layers);
+    Ok((scene.map_err(|e| said::of_file(map, e))?, tone))
 }
 
 impl Args {
+    /// The user's tone, or sRGB where neither the user nor the file states another.
+    const fn tones(&self) -> Tones {
+        Tones { given: self.tone, usual: Tone::Srgb }
+    }
+
     /// What is read and written.
     fn files(&self, listed: Option<&ListedScene>, lens: Vec<PathBuf>, ui: &Ui) -> Result<Files, Error> {
         let mut files = Files::new(ui)

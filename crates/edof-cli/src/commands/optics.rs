@@ -392,7 +392,8 @@ pub fn statistics(folder: &Path, ui: &Ui) -> Result<Statistics, Error> {
     let found = edof_io::photo::load_folder(folder)?;
     found.skipped.iter().for_each(|why| ui.note(format!("photo skipped: {why}")));
     found.remarks.into_iter().for_each(|line| ui.note(line));
-    Statistics::of_photos(found.photographs.iter().map(|(_, photo)| photo)).map_err(|e| said::of_file(folder, e))
+    Statistics::of_photos(found.photographs.iter().map(|(_, photo)| photo))
+        .map_err(|e| said::of_file(folder, e))
 }
 
 impl Design {
