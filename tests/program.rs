@@ -19,6 +19,7 @@ mod optics;
 mod other_kinds;
 mod overwriting;
 mod photograph;
+mod pictures;
 mod pipes;
 mod playout;
 mod process_limit;

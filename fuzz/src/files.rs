@@ -80,10 +80,17 @@ pub fn dng(bytes: &[u8]) {
     let _ = edof_io::dng::decode(bytes, Path::new("shot.dng"), &Overrides::default());
 }
 
-/// PNG, TIFF, JPEG, BMP, WebP, PGM and PPM as photographs, and as grey pictures: mattes, depth maps, heights of a mask.
+/// PNG, TIFF, JPEG, BMP, WebP, PGM and PPM as photographs with their stated curves, and as grey pictures: mattes, depth maps, heights of
+/// a mask.
 pub fn picture(bytes: &[u8]) {
     let _ = edof_io::picture::decode(bytes, Path::new("picture"));
+    let _ = edof_io::photo::open(&file("photo", bytes));
     let _ = edof_io::photo::load_grey(&file("grey", bytes));
+    if let Ok(map) = edof_io::photo::load_integers(&file("map", bytes))
+        && let Some(filled) = edof_optics::depth_map::fill(map)
+    {
+        assert!(filled.map.iter().all(|value| edof_optics::depth_map::is_reading(*value)));
+    }
 }
 
 /// PGM and PPM.

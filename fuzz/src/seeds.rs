@@ -174,7 +174,31 @@ pub fn pictures() -> Vec<Vec<u8>> {
     };
     let mut all = vec![save("p.png", 8), save("p.png", 16), save("p.tif", 16), save("p.ppm", 8)];
     all.extend(raw_files());
+    all.extend(repository("crates/edof-io/src/tiff/fixtures", &["lzw-tiles.tif", "jpeg-ycbcr.tif"]));
+    all.extend([packed_big_tiff(), stated_png(&save("stated.png", 16))]);
     all
+}
+
+/// A BigTIFF of two 12-bit samples.
+fn packed_big_tiff() -> Vec<u8> {
+    let mut bytes = b"II+\0\x08\0\0\0\x18\0\0\0\0\0\0\0\xab\xc1\x23\0\0\0\0\0".to_vec();
+    let entries = [(256u16, 2u64), (257, 1), (258, 12), (262, 1), (273, 16), (274, 6), (279, 3)];
+    bytes.extend((entries.len() as u64).to_le_bytes());
+    for (tag, value) in entries {
+        bytes.extend([&tag.to_le_bytes()[..], &[16, 0], &1u64.to_le_bytes(), &value.to_le_bytes()].concat());
+    }
+    bytes
+}
+
+/// A PNG with chunks that state its curve and orientation; their checksums are not those of their content.
+fn stated_png(png: &[u8]) -> Vec<u8> {
+    let exif = b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0";
+    let chunks: [(&[u8], &[u8]); 4] =
+        [(b"cICP", &[1, 8, 0, 1]), (b"sRGB", &[0]), (b"gAMA", &[0, 1, 0x86, 0xa0]), (b"eXIf", exif)];
+    let chunk = |(kind, content): (&[u8], &[u8])| {
+        [&(content.len() as u32).to_be_bytes()[..], kind, content, &[0; 4]].concat()
+    };
+    [&png[..33], &chunks.map(chunk).concat(), &png[33..]].concat()
 }
 
 /// With options before: as the file says, and headerless of all packings.

@@ -90,7 +90,7 @@ pub const FILES: &[Row] = &[
         "",
         &[
             "said.png.json: invalid raw-frame record: unknown value `rgbg`, expected one of `rggb`",
-            "fix or delete the file",
+            "correct the file, or move it elsewhere",
         ],
     ),
     (

@@ -52,13 +52,16 @@ pub const SCENES: &[Row] = &[
     (
         "reconstruct r-depth.png",
         REREAD,
-        &["r-depth.png.json: bit depth 99: must be 8 to 16; fix or delete the file"],
+        &["r-depth.png.json: bit depth 99: must be 8 to 16; correct the file, or move it elsewhere"],
     ),
     ("reconstruct r-black.png", REREAD, &["r-black.png.json: invalid raw-frame record: black level '70000'"]),
     (
         "reconstruct r-white.png",
         REREAD,
-        &["r-white.png.json: white level 0: must be more than 0 and at most 4096", "fix or delete the file"],
+        &[
+            "r-white.png.json: white level 0: must be more than 0 and at most 4096",
+            "correct the file, or move it elsewhere",
+        ],
     ),
     (
         "reconstruct r-white.png --white-level -3",
@@ -70,7 +73,7 @@ pub const SCENES: &[Row] = &[
         REREAD,
         &[
             "r-more.png.json: invalid raw-frame record: extra text after the end of the JSON, at line 2",
-            "fix or delete the file",
+            "correct the file, or move it elsewhere",
         ],
     ),
     ("reconstruct r-balance.png", REREAD, &["r-balance.png.json", "a list of 2, expected a list of 3"]),
@@ -86,7 +89,7 @@ pub const SCENES: &[Row] = &[
     (
         "reconstruct r-hash.png",
         REREAD,
-        &["r-hash.png.json: describes another frame than r-hash.png; delete it"],
+        &["r-hash.png.json: describes another frame than r-hash.png; move it elsewhere"],
     ),
     ("reconstruct r-text.png", REREAD, &["r-text.png.json", "the text \"12\", expected a whole number"]),
     ("estimate", "--design g-bits.json", &["g-bits.json: code_bits 17: must be 8 to 16"]),

@@ -96,6 +96,10 @@ pub const OPTIONS: [(&str, &[&str]); 23] = [
             "--depth-map raw.png --range 8",
             "--depth-map raw.png --range a:b",
             "--depth-map raw.png --range 8:0",
+            "--map-unit mm",
+            "--psi 1 --map-unit mm",
+            "--depth-map raw.png --map-unit x",
+            "--depth-map raw.png --map-unit mm",
             "--psi 1 --layers x",
             "--psi 1 --exact --measure",
             "--psi 1 --json o.png",
@@ -110,6 +114,7 @@ pub const OPTIONS: [(&str, &[&str]); 23] = [
             "--psi 1,2",
             "--size 60000x60000",
             "--depth-map raw.png --range 8:0",
+            "--depth-map raw.png --map-unit mm",
         ],
     ),
     (

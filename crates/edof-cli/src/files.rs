@@ -170,7 +170,7 @@ fn is_of(kind: Kind, option: &str, file: &Path) -> Result<(), Error> {
     let Some(content) = refusal else { return Ok(()) };
     let shown = file.display();
     Err(Error::message(format!(
-        "{option} {shown}: would replace {content}, and writes {kind}; name another file, or delete this one first"
+        "{option} {shown}: would replace {content}, and writes {kind}; name another file, or move this one away first"
     )))
 }
 

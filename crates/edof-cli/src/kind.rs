@@ -82,7 +82,7 @@ impl Kind {
         let begins = |with: &[&str]| with.iter().any(|with| begins_with(head, with));
         match self {
             Self::Result => has_field(file, &["provenance", "time", "error"]),
-            Self::Record => has_field(file, &["provenance"]),
+            Self::Record => edof_io::record::is_record_file(file),
             Self::Design => has_field(file, &["stages"]),
             Self::Report => begins(&["<!doctype html"]),
             Self::Table => content(head) == TEXT && is_header(&first_line(head)),
@@ -180,7 +180,7 @@ mod tests {
         for (kind, of_its_kind) in [
             (Kind::Result, "{\"a\": 1, \"provenance\": {}}"),
             (Kind::Result, "{\"time\": 1}\n{\"time\": 2}\n"),
-            (Kind::Record, "{\"provenance\": {}}"),
+            (Kind::Record, "{\"phase\": \"rggb\", \"provenance\": {}}"),
             (Kind::Design, "{\"name\": \"tiny\", \"stages\": []}"),
             (Kind::Report, "<!DOCTYPE html><html>"),
             (Kind::Table, "a,b\n1,2\n"),
@@ -196,6 +196,7 @@ mod tests {
             for (other, content) in [
                 ("\u{1}\0\u{2}\u{3}", OTHER),
                 ("{\"focal_length_mm\": 8}", "other JSON"),
+                ("{\"rating\": 4}", "other JSON"),
                 ("%PDF-1.4", "a PDF document"),
             ] {
                 std::fs::write(&file, other).unwrap();

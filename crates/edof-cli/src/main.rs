@@ -25,6 +25,7 @@
 mod commands;
 mod cosim_system;
 mod demo_board;
+mod depth_map;
 mod device;
 mod effects;
 mod error;

@@ -2,8 +2,9 @@
 
 use crate::error::Error;
 use crate::lens::Depth;
+use crate::memory;
+use crate::pictures::{self, Tones};
 use crate::ui::Ui;
-use crate::{memory, pictures};
 use edof_camera::Camera;
 use edof_image::{ColourFrame, Tone};
 use edof_io::photo;
@@ -48,48 +49,51 @@ impl ListedScene {
         self.path.parent().unwrap_or(Path::new("")).join(file)
     }
 
-    /// The scene before a camera; `tone` says what its pictures hold.
+    /// The scene before a camera, and the tone of its pictures: `given`, else linear if all of them state linear light, else sRGB.
     ///
     /// # Errors
     /// A picture, matte or depth that cannot be used.
-    pub fn scene(&self, tone: Tone, camera: &Camera, ui: &Ui) -> Result<Scene, Error> {
+    pub fn scene(&self, given: Option<Tone>, camera: &Camera, ui: &Ui) -> Result<(Scene, Tone), Error> {
         let name = self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let read = |(index, layer): (usize, &LayerFile)| {
-            let (light, inputs) = self.light(index, layer, tone, ui)?;
-            Ok::<_, Error>((Layer { psi: self.psi(index, layer, camera)?, ..light }, inputs))
+            let (light, tone, inputs) = self.light(index, layer, given, ui)?;
+            Ok::<_, Error>((Layer { psi: self.psi(index, layer, camera)?, ..light }, tone, inputs))
         };
         let read: Vec<_> = self.file.layers.par_iter().enumerate().map(read).collect();
-        let mut layers = vec![];
+        let (mut layers, mut is_linear) = (vec![], true);
         for layer in read {
-            let (layer, inputs) = layer?;
+            let (layer, tone, inputs) = layer?;
+            is_linear &= tone.is_light();
             inputs.into_iter().for_each(|input| ui.used(input));
             layers.push(layer);
         }
         let scene = Scene { name, layers };
         scene.check().map_err(|e| Error::message(format!("{}: {e}", self.path.display())))?;
-        Ok(scene)
+        Ok((scene, if is_linear { Tone::Linear } else { Tone::Srgb }))
     }
 
-    /// A layer with its light, already behind its matte, at no depth yet; and what it was read from.
+    /// A layer with its light, already behind its matte, at no depth yet; the tone of its picture; and what it was read from.
     fn light(
         &self,
         index: usize,
         layer: &LayerFile,
-        tone: Tone,
+        given: Option<Tone>,
         ui: &Ui,
-    ) -> Result<(Layer, Vec<Input>), Error> {
+    ) -> Result<(Layer, Tone, Vec<Input>), Error> {
         let file = self.beside(&layer.picture);
         let of_layer = |e: Error| Error::message(format!("{}: layer {index}: {e}", self.path.display()));
         if layer.picture.as_os_str().is_empty() {
             return Err(of_layer(Error::message("picture: is empty, expected the name of a file")));
         }
-        let mut light = tone.into_decoded(pictures::load(&file, ui).map_err(of_layer)?);
+        let tones = Tones { given, usual: Tone::Srgb };
+        let (values, tone) = pictures::load(&file, tones, ui).map_err(of_layer)?;
+        let mut light = tone.into_decoded(values);
         let (height, width) = light.size();
         let job = format!("{}: {} layers of {width}x{height}", self.path.display(), self.file.layers.len());
         memory::check(&job, bytes_a_pixel(self.file.layers.len() - index) * (width * height) as f64)?;
         let picture = Input::photograph(&layer.picture.display().to_string(), &light);
         let Some(matte) = &layer.matte else {
-            return Ok((Layer { light, matte: None, psi: 0.0 }, vec![picture]));
+            return Ok((Layer { light, matte: None, psi: 0.0 }, tone, vec![picture]));
         };
         let path = self.beside(matte);
         let whole = photo::load_grey(&path).map_err(|e| of_layer(e.into()))?;
@@ -106,7 +110,7 @@ impl ListedScene {
         let inputs = vec![picture, Input::photograph(&matte.display().to_string(), &grey)];
         light.planes *= &grey.planes;
         let matte = Some(grey.planes.index_axis_move(Axis(0), 0));
-        Ok((Layer { light, matte, psi: 0.0 }, inputs))
+        Ok((Layer { light, matte, psi: 0.0 }, tone, inputs))
     }
 
     fn psi(&self, index: usize, layer: &LayerFile, camera: &Camera) -> Result<f64, Error> {

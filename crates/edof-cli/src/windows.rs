@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::lens::Depth;
-use crate::pictures;
+use crate::pictures::{self, Tones};
 use crate::said;
 use crate::ui::Ui;
 use edof_image::{Noise, RawFrame, Tone};
@@ -84,9 +84,11 @@ impl Shot {
         let (camera, psi) = (&network.origin.camera, self.depth(network)?);
         let scene = match &self.photo {
             Some(path) => {
-                let (name, photograph) = (path.display().to_string(), pictures::load(path, ui)?);
+                let tones = Tones { given: None, usual: tone(network) };
+                let (photograph, tone) = pictures::load(path, tones, ui)?;
+                let name = path.display().to_string();
                 ui.used(Input::photograph(&name, &photograph));
-                Scene::flat(name, tone(network).into_decoded(photograph), psi)
+                Scene::flat(name, tone.into_decoded(photograph), psi)
             }
             None => draw(Builtin::Leaves, SCENE_SIZE.0, SCENE_SIZE.1, &[psi], self.seed)?,
         };

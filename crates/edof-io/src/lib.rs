@@ -12,7 +12,9 @@
 //! | DNG: a camera's raw frame as light, with its colours | [`dng`] |
 //! | what a camera's file asks to be done with the picture: lens, crop, orientation | [`finish`] |
 //! | other cameras' raw files, with the feature `camera-raw` | [`camera_raw`] |
+//! | how a camera was held | [`orientation`] |
 //! | picture files, before either meaning is given to them | [`picture`], its pixels [`samples`] |
+//! | what a picture file states of its transfer curve | [`transfer`] |
 //! | PGM and PPM with any maximum value | [`pnm`] |
 //!
 //! Everything is written through [`edof_storage::atomic`]: a file appears whole or not at all.
@@ -36,6 +38,7 @@ pub mod camera_raw;
 pub mod dng;
 pub mod finish;
 pub mod levels;
+pub mod orientation;
 pub mod packing;
 pub mod photo;
 pub mod photos;
@@ -47,3 +50,4 @@ pub mod record;
 pub mod rendering;
 pub mod samples;
 mod tiff;
+pub mod transfer;

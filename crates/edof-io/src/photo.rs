@@ -2,6 +2,7 @@
 
 use crate::picture::{self, PictureError};
 use crate::samples::Samples;
+use crate::transfer::{Curve, Transfer};
 use edof_image::ColourFrame;
 use ndarray::{Array2, Array3, Axis};
 use std::path::{Path, PathBuf};
@@ -39,34 +40,94 @@ pub enum FolderError {
 /// A photograph and the name of its file without the ending.
 pub type Named = (String, ColourFrame);
 
-/// Reads a PNG, JPEG, WebP, TIFF, BMP, PPM or PGM of 8 or 16 bits. Grey gives three equal planes, alpha is dropped, full scale becomes 1.
+/// Photographs of a folder in alphabetical order, those that were skipped, and remarks on those that were not.
+#[derive(Debug)]
+pub struct Folder {
+    /// Photographs by name.
+    pub photographs: Vec<Named>,
+    /// What was wrong with each that had to be skipped.
+    pub skipped: Vec<PhotoError>,
+    /// A line for each photograph that states another curve than sRGB's.
+    pub remarks: Vec<String>,
+}
+
+/// A photograph, and the transfer curve that its file states.
+#[derive(Debug, Clone)]
+pub struct Photograph {
+    /// Values of the file, 0…1.
+    pub frame: ColourFrame,
+    /// What its values are, where the file states it.
+    pub transfer: Option<Transfer>,
+}
+
+impl Photograph {
+    /// Returns a line for a photograph of a folder that states another curve than sRGB's.
+    #[must_use]
+    pub fn remark(&self, path: &Path) -> Option<String> {
+        let stated = self.transfer.as_ref().filter(|transfer| transfer.curve != Curve::Srgb)?;
+        Some(format!(
+            "{}: states {stated}; the photographs of a folder are all read by one --tone, convert it if it is of another",
+            path.display()
+        ))
+    }
+}
+
+/// Reads a PNG, JPEG, WebP, TIFF, BMP, PPM or PGM of at most 16 bits. Grey gives three equal planes, alpha is dropped, full scale becomes 1.
+/// The photograph is turned as its camera was held.
 ///
 /// # Errors
 /// [`PhotoError::Picture`] naming the file.
-pub fn load(path: &Path) -> Result<ColourFrame, PhotoError> {
-    let planes = planes(path)?;
+pub fn open(path: &Path) -> Result<Photograph, PhotoError> {
+    let bytes = picture::read(path)?;
+    let planes = light(&bytes, path)?;
     let (_, height, width) = planes.dim();
+    let transfer = Transfer::of(&bytes);
     if planes.dim().0 == 3 {
-        return Ok(ColourFrame { planes });
+        return Ok(Photograph { frame: ColourFrame { planes }, transfer });
     }
     let mut frame = ColourFrame::zeros(height, width);
     frame.planes.assign(&planes);
-    Ok(frame)
+    Ok(Photograph { frame, transfer })
 }
 
-/// The same of a file that was found in a folder.
+/// Reads a photograph without what its file states, as [`open`].
+///
+/// # Errors
+/// As [`open`].
+pub fn load(path: &Path) -> Result<ColourFrame, PhotoError> {
+    Ok(open(path)?.frame)
+}
+
+/// The same as [`load`] of a file that was found in a folder.
 ///
 /// # Errors
 /// As [`load`]; also for what is no file.
 pub fn load_found(path: &Path) -> Result<ColourFrame, PhotoError> {
-    picture::check_found(path)?;
-    load(path)
+    Ok(open_found(path)?.frame)
 }
 
-/// One plane or three.
-fn planes(path: &Path) -> Result<Array3<f32>, PictureError> {
+/// The same as [`open`] of a file that was found in a folder.
+///
+/// # Errors
+/// As [`open`]; also for what is no file.
+pub fn open_found(path: &Path) -> Result<Photograph, PhotoError> {
+    picture::check_found(path)?;
+    open(path)
+}
+
+/// One plane or three, full scale 1.
+fn light(bytes: &[u8], path: &Path) -> Result<Array3<f32>, PictureError> {
     let light = |sample: u16, full_scale: u16| f32::from(sample) / f32::from(full_scale);
-    Ok(picture::decode_as(&picture::read(path)?, path, light)?.0)
+    Ok(picture::decode_photograph(bytes, path, light)?.0)
+}
+
+/// The first of planes that are equal, as those of a grey picture saved in colour.
+fn grey<T: PartialEq>(planes: Array3<T>, path: &Path) -> Result<Array2<T>, PhotoError> {
+    let first = planes.index_axis(Axis(0), 0);
+    if planes.outer_iter().skip(1).any(|plane| plane != first) {
+        return Err(PhotoError::Colour { path: path.to_owned() });
+    }
+    Ok(planes.index_axis_move(Axis(0), 0))
 }
 
 /// Reads a grey picture, 0…1, such as a depth map; equal red, green and blue are grey, too.
@@ -74,12 +135,16 @@ fn planes(path: &Path) -> Result<Array3<f32>, PictureError> {
 /// # Errors
 /// [`PhotoError::Picture`] or [`PhotoError::Colour`].
 pub fn load_grey(path: &Path) -> Result<Array2<f32>, PhotoError> {
-    let planes = planes(path)?;
-    let first = planes.index_axis(Axis(0), 0);
-    if planes.outer_iter().skip(1).any(|plane| plane != first) {
-        return Err(PhotoError::Colour { path: path.to_owned() });
-    }
-    Ok(planes.index_axis_move(Axis(0), 0))
+    grey(light(&picture::read(path)?, path)?, path)
+}
+
+/// Reads the integers of a grey picture, such as distances in millimetres; turned as [`load_grey`] does.
+///
+/// # Errors
+/// As [`load_grey`].
+pub fn load_integers(path: &Path) -> Result<Array2<u16>, PhotoError> {
+    let (planes, _) = picture::decode_photograph(&picture::read(path)?, path, |sample, _| sample)?;
+    grey(planes, path)
 }
 
 /// Writes linear light as sample values of 8 or 16 bits, in the format that the ending of `path` stands for. Values are
@@ -97,30 +162,33 @@ pub fn save(path: &Path, frame: &ColourFrame, bits: u32) -> Result<(), PhotoErro
     Ok(picture::save(path, &Samples { planes, full_scale })?)
 }
 
-/// All photographs of a folder by name, in alphabetical order, and what was wrong with those that had to be skipped.
+/// Reads all photographs of a folder.
 ///
 /// # Errors
 /// [`FolderError`] when there is no folder, no photograph, or none that can be read.
-pub fn load_folder(folder: &Path) -> Result<(Vec<Named>, Vec<PhotoError>), FolderError> {
+pub fn load_folder(folder: &Path) -> Result<Folder, FolderError> {
     let cannot = |source| FolderError::List { folder: folder.to_owned(), source };
     let files = picture::of_folder(folder).map_err(cannot)?;
     let count = files.len();
-    let (mut photos, mut skipped) = (vec![], vec![]);
+    let mut found = Folder { photographs: vec![], skipped: vec![], remarks: vec![] };
     for file in files {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        match load_found(&file) {
-            Ok(frame) => photos.push((name, frame)),
-            Err(error) => skipped.push(error),
+        match open_found(&file) {
+            Ok(photograph) => {
+                found.remarks.extend(photograph.remark(&file));
+                found.photographs.push((name, photograph.frame));
+            }
+            Err(error) => found.skipped.push(error),
         }
     }
-    if photos.is_empty() {
+    if found.photographs.is_empty() {
         let folder = folder.to_owned();
-        return Err(match skipped.into_iter().next() {
+        return Err(match found.skipped.into_iter().next() {
             Some(first) => FolderError::NoneReadable { folder, count, first },
             None => FolderError::Empty { folder },
         });
     }
-    Ok((photos, skipped))
+    Ok(found)
 }
 
 #[cfg(test)]
@@ -186,10 +254,28 @@ mod tests {
         save(&dir.path().join("b.png"), &ramp(), 8).unwrap();
         std::fs::write(dir.path().join("a.png"), "not a picture").unwrap();
         std::fs::write(dir.path().join("notes.txt"), "no photograph at all").unwrap();
-        let (photos, skipped) = load_folder(dir.path()).unwrap();
+        let Folder { photographs: photos, skipped, .. } = load_folder(dir.path()).unwrap();
         assert_eq!(photos.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["b"]);
         assert_eq!(skipped.len(), 1);
         assert!(skipped[0].to_string().contains("a.png: not a PNG"));
+    }
+
+    #[test]
+    fn a_photograph_of_a_folder_that_states_another_curve_is_remarked_on() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        save(&at("a1.png"), &ramp(), 8).unwrap();
+        let png = std::fs::read(at("a1.png")).unwrap();
+        // gAMA 1, with its checksum.
+        let gamma = b"\0\0\0\x04gAMA\0\x01\x86\xa0\x31\xe8\x96\x5f";
+        std::fs::write(at("b2.png"), [&png[..33], gamma, &png[33..]].concat()).unwrap();
+        let found = load_folder(dir.path()).unwrap();
+        assert_eq!((found.photographs.len(), found.skipped.len(), found.remarks.len()), (2, 0, 1));
+        let words =
+            "b2.png: states linear light (gAMA 1); the photographs of a folder are all read by one --tone";
+        assert!(found.remarks[0].contains(words), "{}", found.remarks[0]);
+        let chosen = crate::photos::load(dir.path(), &crate::photos::Selection::All).unwrap();
+        assert_eq!(chosen.remarks, found.remarks);
     }
 
     #[test]

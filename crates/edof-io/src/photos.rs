@@ -170,18 +170,32 @@ pub fn has_no_numbers(folder: &Path) -> bool {
     !files.is_empty() && files.iter().all(|file| number(&stem(file)).is_none())
 }
 
-/// The chosen photographs of a folder in the order of their names, and one line for each that could not be read.
+/// Photographs of a folder.
+#[derive(Debug)]
+pub struct Chosen {
+    /// Those that were chosen, in the order of their names.
+    pub photos: Vec<Photo>,
+    /// A line for each that could not be read.
+    pub skipped: Vec<String>,
+    /// A line for each that states another transfer curve than sRGB's.
+    pub remarks: Vec<String>,
+}
+
+/// Reads the chosen photographs of a folder.
 ///
 /// # Errors
 /// [`PhotosError::Folder`], or [`PhotosError::None`] where no photograph is left.
-pub fn load(folder: &Path, selection: &Selection) -> Result<(Vec<Photo>, Vec<String>), PhotosError> {
+pub fn load(folder: &Path, selection: &Selection) -> Result<Chosen, PhotosError> {
     let cannot = |source| PhotosError::Folder { folder: folder.to_owned(), source };
     let mut files = picture::of_folder(folder).map_err(cannot)?;
     files.retain(|path| selection.holds(&stem(path)));
-    let (mut photos, mut skipped) = (vec![], vec![]);
+    let (mut photos, mut skipped, mut remarks) = (vec![], vec![], vec![]);
     for path in files {
-        match photo::load_found(&path) {
-            Ok(frame) => photos.push(Photo { name: stem(&path), frame: even(frame) }),
+        match photo::open_found(&path) {
+            Ok(photograph) => {
+                remarks.extend(photograph.remark(&path));
+                photos.push(Photo { name: stem(&path), frame: even(photograph.frame) });
+            }
             Err(error) => skipped.push(error.to_string()),
         }
     }
@@ -189,7 +203,7 @@ pub fn load(folder: &Path, selection: &Selection) -> Result<(Vec<Photo>, Vec<Str
         let first = skipped.first().map(|s| format!(" ({s})")).unwrap_or_default();
         return Err(PhotosError::None { folder: folder.to_owned(), selection: selection.clone(), first });
     }
-    Ok((photos, skipped))
+    Ok(Chosen { photos, skipped, remarks })
 }
 
 fn stem(path: &Path) -> String {
@@ -258,7 +272,7 @@ mod tests {
         image.save(dir.path().join("p03.png")).unwrap();
         std::fs::write(dir.path().join("p06.png"), b"no picture").unwrap();
         std::fs::write(dir.path().join("p09.txt"), b"no picture either").unwrap();
-        let (photos, skipped) = load(dir.path(), &Selection::Test).unwrap();
+        let Chosen { photos, skipped, .. } = load(dir.path(), &Selection::Test).unwrap();
         assert_eq!(photos.len(), 1);
         assert_eq!((photos[0].name.as_str(), photos[0].frame.size()), ("p03", (16, 20)));
         assert!((photos[0].frame.planes[(0, 3, 3)] - 0.2).abs() < 1e-6);

@@ -1,11 +1,13 @@
 //! Picture files: PNG, TIFF, PGM and PPM to samples and back; JPEG, WebP and BMP to samples.
 
-use crate::pnm;
+use crate::orientation::{Orientation, turned};
 use crate::samples::Samples;
+use crate::tiff::{Tiff, TiffError};
+use crate::{camera_raw, pnm, transfer};
 use edof_storage::input;
 use image::codecs::jpeg::JpegDecoder;
 use image::codecs::png::PngEncoder;
-use image::codecs::tiff::TiffEncoder;
+use image::codecs::tiff::{TiffDecoder, TiffEncoder};
 use image::codecs::webp::WebPDecoder;
 use image::{
     ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult, Limits,
@@ -31,6 +33,15 @@ pub enum PictureError {
     /// Floating-point samples and the like.
     #[error("{path}: holds {found} samples, expected 8-bit or 16-bit integers", path = path.display())]
     Kind { path: PathBuf, found: String },
+    /// A valid TIFF of a kind that is not read.
+    #[error("{path}: valid TIFF of a kind that is not read: {found}; save it uncompressed, with 8 or 16 bits per sample", path = path.display())]
+    Unread { path: PathBuf, found: String },
+    /// A camera's raw frame where a picture is expected.
+    #[error("{path}: contains a camera's raw frame (DNG or TIFF of a camera), expected a picture; develop it first, as by 'edof reconstruct'", path = path.display())]
+    CameraRaw { path: PathBuf },
+    /// A TIFF that begins with a preview.
+    #[error("{path}: begins with a thumbnail (NewSubfileType 1), expected the picture first; save the picture alone", path = path.display())]
+    Thumbnail { path: PathBuf },
     /// A name whose ending stands for no format.
     #[error("{path}: unknown ending, expected {expected}", path = path.display())]
     Ending { path: PathBuf, expected: &'static str },
@@ -65,7 +76,7 @@ impl Format {
     pub fn of(bytes: &[u8]) -> Option<Self> {
         match bytes {
             [0x89, b'P', b'N', b'G', ..] => Some(Self::Png),
-            [b'I', b'I', 42, 0, ..] | [b'M', b'M', 0, 42, ..] => Some(Self::Tiff),
+            [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => Some(Self::Tiff),
             [b'P', b'2' | b'3' | b'5' | b'6', space, ..] if space.is_ascii_whitespace() => Some(Self::Pnm),
             [0xff, 0xd8, 0xff, ..] => Some(Self::Jpeg),
             [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some(Self::WebP),
@@ -149,38 +160,77 @@ pub fn check_found(path: &Path) -> Result<(), PictureError> {
     input::check(path).map_err(|source| PictureError::Read { path: path.to_owned(), source })
 }
 
-/// Samples of a picture file in memory, JPEG and WebP turned as their camera was held; `path` names it in errors.
+/// Decodes the samples of a picture file in memory. Those of PNG and TIFF stay in their rows and columns, because a mosaic
+/// must; JPEG and WebP are turned as their camera was held. `path` names the file in errors.
 ///
 /// # Errors
-/// [`PictureError::Format`], [`PictureError::Decode`] or [`PictureError::Kind`].
+/// [`PictureError::Format`], [`PictureError::Decode`], [`PictureError::Kind`] or [`PictureError::Unread`].
 pub fn decode(bytes: &[u8], path: &Path) -> Result<Samples, PictureError> {
-    let (planes, full_scale) = decode_as(bytes, path, |sample, _| sample)?;
-    Ok(Samples { planes, full_scale })
+    let Decoded { planes, full_scale, orientation } = decoded(bytes, path, |sample, _| sample)?;
+    let keeps_rows = Format::of(bytes).is_some_and(Format::keeps_values);
+    Ok(Samples { planes: if keeps_rows { planes } else { turned(planes, orientation) }, full_scale })
 }
 
-/// The same with `of(sample, full scale)` in place of each sample, and the full scale.
+/// Decodes a photograph, turned as its camera was held, with `of(sample, full scale)` in place of each sample. Returns the full scale,
+/// too.
 ///
 /// # Errors
-/// As [`decode`].
-pub fn decode_as<T>(
+/// As [`decode`]; also [`PictureError::CameraRaw`] or [`PictureError::Thumbnail`].
+pub fn decode_photograph<T: Clone>(
     bytes: &[u8],
     path: &Path,
     of: impl Fn(u16, u16) -> T,
 ) -> Result<(Array3<T>, u16), PictureError> {
+    check_photograph(bytes, path)?;
+    let Decoded { planes, full_scale, orientation } = decoded(bytes, path, of)?;
+    Ok((turned(planes, orientation), full_scale))
+}
+
+/// Rejects a TIFF whose first picture is not the photograph.
+fn check_photograph(bytes: &[u8], path: &Path) -> Result<(), PictureError> {
+    let Some(Ok(tiff)) = (Format::of(bytes) == Some(Format::Tiff)).then(|| Tiff::open(bytes)) else {
+        return Ok(());
+    };
+    if camera_raw::is_name(path) || tiff.is_camera_raw() {
+        return Err(PictureError::CameraRaw { path: path.to_owned() });
+    }
+    if tiff.is_thumbnail() { Err(PictureError::Thumbnail { path: path.to_owned() }) } else { Ok(()) }
+}
+
+/// A picture in the rows and columns of its file.
+struct Decoded<T> {
+    planes: Array3<T>,
+    full_scale: u16,
+    orientation: Orientation,
+}
+
+fn decoded<T>(bytes: &[u8], path: &Path, of: impl Fn(u16, u16) -> T) -> Result<Decoded<T>, PictureError> {
     let damaged = |reason: String| PictureError::Decode { path: path.to_owned(), reason };
-    let format = match Format::of(bytes) {
+    let of_samples = |Samples { planes, full_scale }: Samples, orientation| Decoded {
+        planes: planes.map(|sample| of(*sample, full_scale)),
+        full_scale,
+        orientation,
+    };
+    let by_image = |format| image(bytes, format).map_err(|e| damaged(reason(bytes, format, &e)));
+    let (image, orientation) = match Format::of(bytes) {
         Some(Format::Pnm) => {
-            let Samples { planes, full_scale } = pnm::decode(bytes).map_err(|e| damaged(e.to_string()))?;
-            return Ok((planes.map(|sample| of(*sample, full_scale)), full_scale));
+            let samples = pnm::decode(bytes).map_err(|e| damaged(e.to_string()))?;
+            return Ok(of_samples(samples, Orientation::NoTransforms));
         }
-        Some(Format::Png) => ImageFormat::Png,
-        Some(Format::Tiff) => ImageFormat::Tiff,
-        Some(Format::Jpeg) => ImageFormat::Jpeg,
-        Some(Format::WebP) => ImageFormat::WebP,
-        Some(Format::Bmp) => ImageFormat::Bmp,
+        Some(Format::Tiff) => match tiff(bytes) {
+            Ok((samples, orientation)) => return Ok(of_samples(samples, orientation)),
+            // Such as JPEG of red, green and blue.
+            Err(error @ TiffError::Unread(_)) => {
+                image(bytes, ImageFormat::Tiff).map_err(|_| of_tiff(error, path))?
+            }
+            Err(error) => return Err(of_tiff(error, path)),
+        },
+        Some(Format::Png) => by_image(ImageFormat::Png)?,
+        Some(Format::Jpeg) => by_image(ImageFormat::Jpeg)?,
+        Some(Format::WebP) => by_image(ImageFormat::WebP)?,
+        Some(Format::Bmp) => by_image(ImageFormat::Bmp)?,
         None => return Err(PictureError::Format { path: path.to_owned() }),
     };
-    let image = image(bytes, format).map_err(|e| damaged(reason(bytes, format, &e)))?;
     let size = (image.height() as usize, image.width() as usize);
     let (narrow, wide) = (|sample| of(sample, 255), |sample| of(sample, u16::MAX));
     let (planes, full_scale) = match &image {
@@ -197,7 +247,25 @@ pub fn decode_as<T>(
             return Err(PictureError::Kind { path: path.to_owned(), found });
         }
     };
-    Ok((planes.map_err(|e| damaged(e.to_string()))?, full_scale))
+    let planes = planes.map_err(|e| damaged(e.to_string()))?;
+    Ok(Decoded { planes, full_scale, orientation })
+}
+
+/// By the reader that knows padded tiles and packed samples.
+fn tiff(bytes: &[u8]) -> Result<(Samples, Orientation), TiffError> {
+    let tiff = Tiff::open(bytes)?;
+    let orientation = Orientation::from_exif(tiff.orientation()).unwrap_or(Orientation::NoTransforms);
+    Ok((tiff.samples()?, orientation))
+}
+
+fn of_tiff(error: TiffError, path: &Path) -> PictureError {
+    let path = path.to_owned();
+    match error {
+        TiffError::Damaged(reason) => PictureError::Decode { path, reason },
+        TiffError::Large(width, height) => PictureError::Decode { path, reason: too_large(width, height) },
+        TiffError::Samples(found) => PictureError::Kind { path, found },
+        TiffError::Unread(found) => PictureError::Unread { path, found },
+    }
 }
 
 /// What samples of other kinds are.
@@ -227,13 +295,13 @@ fn planes<S: Copy + Into<u16>, T>(
 fn reason(bytes: &[u8], format: ImageFormat, error: &ImageError) -> String {
     let size = ImageReader::with_format(Cursor::new(bytes), format).into_dimensions();
     match (error, size) {
-        (ImageError::Limits(_), Ok((width, height))) => {
-            format!(
-                "{width}x{height} pixels, more than the 512 MiB of samples that are read; cut or shrink it"
-            )
-        }
+        (ImageError::Limits(_), Ok((width, height))) => too_large(width as usize, height as usize),
         (error, _) => plain(&error.to_string()),
     }
+}
+
+fn too_large(width: usize, height: usize) -> String {
+    format!("{width}x{height} pixels, more than the 512 MiB of samples that are read; cut or shrink it")
 }
 
 /// A decoder's words without the names that Rust has for its values.
@@ -245,24 +313,31 @@ fn plain(text: &str) -> String {
 }
 
 /// By the decoders that are compiled in their own crate, where there are any: generic ones would all be compiled here again.
-fn image(bytes: &[u8], format: ImageFormat) -> ImageResult<DynamicImage> {
+fn image(bytes: &[u8], format: ImageFormat) -> ImageResult<(DynamicImage, Orientation)> {
     match format {
-        ImageFormat::Jpeg => turned(JpegDecoder::new(Cursor::new(bytes))?),
-        ImageFormat::WebP => turned(WebPDecoder::new(Cursor::new(bytes))?),
-        // A mosaic keeps its rows and columns whatever its file says.
-        _ => image::load_from_memory_with_format(bytes, format),
+        ImageFormat::Jpeg => limited(JpegDecoder::new(Cursor::new(bytes))?),
+        ImageFormat::WebP => limited(WebPDecoder::new(Cursor::new(bytes))?),
+        ImageFormat::Tiff => limited(TiffDecoder::new(Cursor::new(bytes))?),
+        _ => {
+            let image = image::load_from_memory_with_format(bytes, format)?;
+            Ok((image, if format == ImageFormat::Png { of_png(bytes) } else { Orientation::NoTransforms }))
+        }
     }
 }
 
-/// A photograph as its camera was held.
-fn turned(mut decoder: impl ImageDecoder) -> ImageResult<DynamicImage> {
+/// Orientation in a PNG's Exif, which may be behind its pixels.
+fn of_png(bytes: &[u8]) -> Orientation {
+    let exif = transfer::chunks(bytes).find(|(name, _)| name == b"eXIf");
+    exif.and_then(|(_, exif)| Orientation::from_exif_chunk(exif)).unwrap_or(Orientation::NoTransforms)
+}
+
+/// A picture of at most the usual size, and how its camera was held.
+fn limited(mut decoder: impl ImageDecoder) -> ImageResult<(DynamicImage, Orientation)> {
     let mut limits = Limits::default();
     limits.reserve(decoder.total_bytes())?;
     decoder.set_limits(limits)?;
     let orientation = decoder.orientation()?;
-    let mut image = DynamicImage::from_decoder(decoder)?;
-    image.apply_orientation(orientation);
-    Ok(image)
+    Ok((DynamicImage::from_decoder(decoder)?, orientation))
 }
 
 /// The format in which [`save`] would write a file of that name; for anybody who has long work to do first.

@@ -2,6 +2,10 @@
 //!
 //! A mosaic looks the same in every phase and behind every lens, and a network that is given the wrong one makes a wrong picture
 //! without complaint. So [`crate::raw`]'s files carry what they cannot say themselves.
+//!
+//! Other programs put JSON beside frames, too. A file is taken for a record if its JSON has the field `phase` and one of `sha256`,
+//! `alignment` and `provenance`, or if it is no valid JSON and begins with the field `phase`, as a truncated record does. Any other
+//! file is passed over.
 
 use crate::levels::{Black, Levels};
 use crate::packing::Packing;
@@ -12,7 +16,10 @@ use edof_image::{CfaPhase, Noise, RawFrame, Tone};
 use edof_storage::atomic::{self, WriteError};
 use edof_storage::json;
 use edof_storage::provenance::{Input, Provenance};
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// How a raw frame was taken, and how its file is to be read.
@@ -64,14 +71,14 @@ pub enum RecordError {
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
     /// Not a record.
-    #[error("{path}: invalid raw-frame record: {}; fix or delete the file", json::words(source), path = path.display())]
-    Foreign { path: PathBuf, source: serde_json::Error },
+    #[error("{path}: invalid raw-frame record: {}; correct the file, or move it elsewhere", json::words(source), path = path.display())]
+    Invalid { path: PathBuf, source: serde_json::Error },
     /// Cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
     /// The frame was replaced, or the options read it as another.
     #[error(
-        "{path}: describes another frame than {raw}; delete it if the frame was replaced, else read the frame as it says: {says}",
+        "{path}: describes another frame than {raw}; move it elsewhere if the frame was replaced, else read the frame as it says: {says}",
         path = path.display(), raw = raw.display()
     )]
     OtherFrame { path: PathBuf, raw: PathBuf, says: String },
@@ -110,18 +117,78 @@ pub fn save(raw: &Path, record: &RawRecord) -> Result<(), RecordError> {
     Ok(atomic::write(&path_of(raw), text.as_bytes())?)
 }
 
-/// The record of a raw frame, if there is one.
+/// What is beside a raw frame under the name of its record.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Sidecar {
+    /// No file.
+    Absent,
+    /// A file of another program.
+    Foreign(PathBuf),
+    /// The record of the frame.
+    Record(Box<RawRecord>),
+}
+
+impl Sidecar {
+    /// Returns the record, if there is one.
+    #[must_use]
+    pub fn record(self) -> Option<RawRecord> {
+        match self {
+            Self::Record(record) => Some(*record),
+            Self::Absent | Self::Foreign(_) => None,
+        }
+    }
+
+    /// Returns a line that names a file of another program.
+    #[must_use]
+    pub fn remark(&self) -> Option<String> {
+        let Self::Foreign(path) = self else { return None };
+        Some(format!("{}: is not a raw-frame record of edof; passed over", path.display()))
+    }
+}
+
+/// Reads what is beside a raw frame.
 ///
 /// # Errors
-/// [`RecordError::Read`] or [`RecordError::Foreign`].
-pub fn load(raw: &Path) -> Result<Option<RawRecord>, RecordError> {
+/// [`RecordError::Read`], or [`RecordError::Invalid`] for a record that cannot be used.
+pub fn load(raw: &Path) -> Result<Sidecar, RecordError> {
     let path = path_of(raw);
     let text = match json::text(&path, MAX_BYTES) {
-        Ok(text) => text,
-        Err(source) if source.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Ok(text) if is_record(&text) => text,
+        Ok(_) => return Ok(Sidecar::Foreign(path)),
+        // Larger than any record, or no text.
+        Err(source) if source.kind() == ErrorKind::InvalidData => return Ok(Sidecar::Foreign(path)),
+        Err(source) if source.kind() == ErrorKind::NotFound => return Ok(Sidecar::Absent),
         Err(source) => return Err(RecordError::Read { path, source }),
     };
-    json::parse(&text).map(Some).map_err(|source| RecordError::Foreign { path, source })
+    json::parse(&text)
+        .map(|record| Sidecar::Record(Box::new(record)))
+        .map_err(|source| RecordError::Invalid { path, source })
+}
+
+/// Returns whether a frame has a record, valid or not.
+#[must_use]
+pub fn is_beside(raw: &Path) -> bool {
+    is_record_file(&path_of(raw))
+}
+
+/// Returns whether a file is a record, valid or not.
+#[must_use]
+pub fn is_record_file(path: &Path) -> bool {
+    json::text(path, MAX_BYTES).is_ok_and(|text| is_record(&text))
+}
+
+/// Whether a text is meant as a record.
+fn is_record(text: &str) -> bool {
+    match json::parse::<BTreeMap<String, IgnoredAny>>(text) {
+        Ok(fields) => {
+            let has = |name: &&str| fields.contains_key(*name);
+            has(&"phase") && ["sha256", "alignment", "provenance"].iter().any(has)
+        }
+        Err(_) => {
+            let begin: String = text.chars().filter(|c| !c.is_whitespace()).take(9).collect();
+            begin.trim_start_matches('\u{feff}').starts_with("{\"phase\"")
+        }
+    }
 }
 
 /// What a user states of a frame, each of which may be left out.
@@ -272,7 +339,7 @@ mod tests {
         for phase in CfaPhase::ALL {
             for ending in ["png", "tif", "pgm"] {
                 let (path, frame, record) = taken(folder.path(), &format!("frame.{ending}"), phase);
-                let found = load(&path).unwrap().unwrap();
+                let found = load(&path).unwrap().record().unwrap();
                 assert_eq!(found, record);
                 let options = found.options(RawOptions::default());
                 let back = raw::load(&path, &options).unwrap();
@@ -284,7 +351,37 @@ mod tests {
 
     #[test]
     fn a_frame_without_a_record_has_none() {
-        assert!(load(Path::new("no-such-frame.png")).unwrap().is_none());
+        assert_eq!(load(Path::new("no-such-frame.png")).unwrap(), Sidecar::Absent);
+    }
+
+    #[test]
+    fn a_file_of_another_program_is_passed_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, ..) = taken(folder.path(), "frame.png", CfaPhase::Rggb);
+        let large = format!("{{\"phase\": 1, \"sha256\": \"{}\"}}", "0".repeat(1 << 20));
+        for foreign in [
+            "{\"rating\": 4, \"history\": [{\"module\": \"exposure\"}]}",
+            "{\"provenance\": {\"tool\": \"other\"}, \"depth\": 14, \"camera\": \"X\"}",
+            "{\"phase\": \"rggb\", \"depth\": 14}",
+            "[1, 2]",
+            "not JSON",
+            "",
+            "{",
+            &large,
+        ] {
+            std::fs::write(path_of(&path), foreign).unwrap();
+            let found = load(&path).unwrap();
+            assert_eq!(found, Sidecar::Foreign(path_of(&path)), "{foreign}");
+            assert!(
+                found
+                    .remark()
+                    .unwrap()
+                    .ends_with("frame.png.json: is not a raw-frame record of edof; passed over")
+            );
+            assert!(!is_beside(&path));
+        }
+        std::fs::write(path_of(&path), [0xff, 0xfe, 0]).unwrap();
+        assert_eq!(load(&path).unwrap(), Sidecar::Foreign(path_of(&path)));
     }
 
     #[test]
@@ -343,8 +440,16 @@ mod tests {
     fn a_damaged_record_is_rejected_by_name() {
         let folder = tempfile::tempdir().unwrap();
         let (path, ..) = taken(folder.path(), "frame.png", CfaPhase::Rggb);
-        std::fs::write(path_of(&path), "{").unwrap();
-        assert!(matches!(load(&path), Err(RecordError::Foreign { .. })));
+        let whole = std::fs::read_to_string(path_of(&path)).unwrap();
+        let no_hash = whole.replace("\"sha256\"", "\"sha1\"");
+        for damaged in
+            [&whole[..whole.len() / 2], &whole[..14], &no_hash, "{\"phase\": \"rggb\", \"sha256\": 3}"]
+        {
+            std::fs::write(path_of(&path), damaged).unwrap();
+            let error = load(&path).unwrap_err();
+            assert!(matches!(error, RecordError::Invalid { .. }) && is_beside(&path), "{damaged}");
+            assert!(error.to_string().ends_with("; correct the file, or move it elsewhere"), "{error}");
+        }
         std::fs::remove_file(path_of(&path)).unwrap();
         std::fs::create_dir(path_of(&path)).unwrap();
         assert!(matches!(load(&path), Err(RecordError::Read { .. })));

@@ -14,6 +14,7 @@
 //! | scene | [`draw`] | charts and leaves rendered by code |
 //! | | [`scene`] | layers of colour and depth, blurred and composed with occlusion |
 //! | | [`scene_file`] | the files that list such layers |
+//! | | [`depth_map`] | maps of distances, their holes filled |
 //! | | [`layers`] | a photograph with a depth map as such a scene |
 //! | sensor | [`sensor`] | Bayer mosaic, noise, saturation, bit depth |
 //! | all of it | [`capture`](mod@capture) | a scene captured, what each approximation costs and saves |
@@ -48,6 +49,7 @@ pub mod capture;
 mod composite;
 pub mod cosine;
 pub mod depth;
+pub mod depth_map;
 pub mod design;
 #[cfg(test)]
 mod direct;

@@ -1,12 +1,14 @@
 //! `edof capture`.
 
 use crate::commands::scene::{Drawing, fits};
+use crate::depth_map::{DepthMap, MapOf};
 use crate::error::Error;
 use crate::files::Files;
-use crate::lens::{self, Depth, DepthRange, Lens};
+use crate::lens::{self, DepthRange, Lens};
+use crate::pictures::{self, Tones};
 use crate::scene_file::{self, ListedScene};
 use crate::ui::Ui;
-use crate::{memory, pictures, said};
+use crate::{memory, said};
 use edof_camera::Camera;
 use edof_image::frame::FrameError;
 use edof_image::words::count;
@@ -18,14 +20,15 @@ use edof_io::{photo, raw};
 use edof_optics::capture::{
     Approximation, ApproximationCost, Capture, CaptureError, Kernel, capture_told, measure_approximation_told,
 };
-use edof_optics::depth::{distance_m, psi_at};
+use edof_optics::depth::distance_m;
+use edof_optics::depth_map::Unit;
 use edof_optics::draw::parse_name;
 use edof_optics::layers;
 use edof_optics::psf::Settings;
 use edof_optics::scene::Scene;
 use edof_optics::sensor::{Sensor, SensorError};
 use edof_storage::provenance::Input;
-use ndarray::{Array2, ArrayView2, Axis, s};
+use ndarray::{Axis, s};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -43,6 +46,7 @@ use std::path::{Path, PathBuf};
 /// sensor and the time saved (this takes several times as long). --exact approximates nothing.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
+#[command(group(clap::ArgGroup::new("map_scale").args(["range", "map_unit"]).multiple(true)))]
 pub struct Args {
     /// A photograph (PNG, JPEG, WebP, TIFF, BMP, PPM), a JSON file that lists layers with mattes and depths, or chart, chart-4, leaves,
     /// leaves-4, which are synthetic scenes of linear light
@@ -63,25 +67,31 @@ pub struct Args {
     psf_bank: Option<PathBuf>,
 
     /// Encoding of pictures, the photograph's and those of --sharp and --light: srgb, or linear (the paper's convention: samples are
-    /// linear light)
-    #[arg(long, default_value_t = Tone::Srgb, value_name = "TONE")]
-    tone: Tone,
+    /// linear light) [default: linear if the photograph's file states so (gAMA, cICP, ICC profile), else srgb]
+    #[arg(long, value_name = "TONE")]
+    tone: Option<Tone>,
 
     #[command(flatten)]
     drawing: Drawing,
 
-    /// Depth map: a grey picture of the photograph's size, white nearest
-    #[arg(long, value_name = "FILE", requires = "range", conflicts_with = "psi")]
+    /// Depth map: a grey picture of the photograph's size, white nearest; or distances (--map-of, --map-unit)
+    #[arg(long, value_name = "FILE", requires = "map_scale", conflicts_with = "psi")]
     depth_map: Option<PathBuf>,
 
-    /// Depths NEAR:FAR of white and black of the depth map: two values of ψ (radians), or two distances as in 0.7m:3m
+    /// Depths NEAR:FAR of white and black of the depth map: two values of ψ (radians), or two distances as in 0.7m:3m. With
+    /// --map-unit, limits: nearer and farther pixels are taken to be at the limits
     #[arg(long, value_name = "NEAR:FAR", requires = "depth_map", allow_hyphen_values = true)]
     range: Option<DepthRange>,
 
     /// Meaning of the depth map's values: nearness (proportional to ψ, that is to one over the distance; white is NEAR), or
-    /// distance (black is NEAR, white is FAR), as range finders and renderers give it
+    /// distance (black is NEAR, white is FAR), as range finders and renderers give it; with --map-unit always distance
     #[arg(long, value_enum, default_value_t = MapOf::Nearness, value_name = "KIND")]
     map_of: MapOf,
+
+    /// Unit of the depth map's values, which are distances then: mm, cm or m, or a multiple as in 0.2mm. 0 and 65535 are pixels without
+    /// a reading; each takes the nearest reading. The camera must state nominal_m, or give --nominal
+    #[arg(long, value_name = "UNIT", requires = "depth_map")]
+    map_unit: Option<Unit>,
 
     /// Largest number of layers that the photograph is cut into
     #[arg(long, default_value_t = layers::USUAL, value_name = "N")]
@@ -147,18 +157,10 @@ pub struct Args {
     light: Option<PathBuf>,
 }
 
-/// What the values of a depth map are proportional to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum MapOf {
-    /// One over the distance, white nearest.
-    Nearness,
-    /// The distance, white farthest.
-    Distance,
-}
-
 const EXAMPLES: &str = "\
 Examples:
   edof capture photo.jpg --depth-map depth.png --range 8:0 --out raw.png
+  edof capture photo.jpg --depth-map millimetres.png --map-unit mm --nominal 3 --out raw.png
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png
   edof capture scene.json --out raw.png
   edof capture photo.png --psf-bank lens.npz --psi 4 --out raw.png
@@ -198,7 +200,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         black_level: args.black_level,
     };
     sensor.check().map_err(of_sensor)?;
-    let scene = match listed {
+    let (scene, tone) = match listed {
         Some(file) => file.scene(args.tone, &camera, ui)?,
         None => open(&args, &camera, ui)?,
     };
@@ -215,16 +217,16 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let shot = taken.map_err(|e| args.of_scene(&e))?;
     let steps = shot.depths.len() + 1;
     raw::save(&args.out, &shot.raw)?;
-    let record = record_of(&args, &camera, &scene, &shot.raw, ui);
+    let record = record_of(&args, &camera, &scene, tone, &shot.raw, ui);
     record::save(&args.out, &record)?;
     if let Some(path) = &args.video {
         save_video(path, args.values, &record, &shot.raw)?;
     }
     if let Some(path) = &args.sharp {
-        photo::save(path, &args.tone.encoded(&scene.sharp()), 16)?;
+        photo::save(path, &tone.encoded(&scene.sharp()), 16)?;
     }
     if let Some(path) = &args.light {
-        photo::save(path, &args.tone.encoded(&shot.light), 16)?;
+        photo::save(path, &tone.encoded(&shot.light), 16)?;
     }
     // A bank's kernels are used as they are: nothing is approximated.
     let costs = if !args.measure || args.exact || args.no_measure || camera.psf_bank.is_some() {
@@ -237,8 +239,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (height, width) = scene.size();
     let psi = scene.layers.iter().map(|layer| layer.psi).collect();
     let Capture { depths, seconds, .. } = shot;
-    let (scene, camera, tone, noise, out) =
-        (scene.name, camera.name, args.tone, args.noise, args.out.display().to_string());
+    let (scene, camera, noise, out) = (scene.name, camera.name, args.noise, args.out.display().to_string());
     ui.json(&Captured {
         scene,
         camera,
@@ -287,7 +288,14 @@ fn save_video(path: &Path, values: Tone, record: &RawRecord, frame: &RawFrame) -
 }
 
 /// What the raw frame cannot say of itself.
-fn record_of(args: &Args, camera: &Camera, scene: &Scene, frame: &RawFrame, ui: &Ui) -> RawRecord {
+fn record_of(
+    args: &Args,
+    camera: &Camera,
+    scene: &Scene,
+    tone: Tone,
+    frame: &RawFrame,
+    ui: &Ui,
+) -> RawRecord {
     ui.used(camera.input());
     RawRecord {
         phase: frame.phase(),
@@ -300,7 +308,7 @@ fn record_of(args: &Args, camera: &Camera, scene: &Scene, frame: &RawFrame, ui: 
         colour_matrix: None,
         camera: camera.clone(),
         psi: scene.layers.iter().map(|layer| layer.psi).collect(),
-        tone: args.tone,
+        tone,
         values: Tone::Linear,
         noise: args.noise,
         sha256: Input::raw_frame(&scene.name, frame).sha256,
@@ -308,8 +316,8 @@ fn record_of(args: &Args, camera: &Camera, scene: &Scene, frame: &RawFrame, ui: 
     }
 }
 
-/// A built-in scene by its name, or a photograph.
-fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<Scene, Error> {
+/// A built-in scene by its name, or a photograph; and the tone of its pictures.
+fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<(Scene, Tone), Error> {
     if parse_name(&args.scene).is_ok() && !Path::new(&args.scene).exists() {
         if let Some(map) = &args.depth_map {
             return Err(Error::message(format!(
@@ -318,7 +326,7 @@ fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<Scene, Error> {
                 args.scene
             )));
         }
-        return args.drawing.draw(&args.scene, camera);
+        return Ok((args.drawing.draw(&args.scene, camera)?, args.tone.unwrap_or(Tone::Srgb)));
     }
     if let Some(size) = args.drawing.size {
         return Err(Error::message(format!(
@@ -327,8 +335,8 @@ fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<Scene, Error> {
     }
     let path = Path::new(&args.scene);
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    if let (Some(map), Some(range)) = (&args.depth_map, args.range) {
-        return layered(args, name, map, range, camera, ui);
+    if let Some(map) = &args.depth_map {
+        return layered(args, name, map, camera, ui);
     }
     if let Some(range) = args.range {
         return Err(Error::message(format!(
@@ -340,23 +348,16 @@ fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<Scene, Error> {
             "--psi: expected one value, because a photograph is at one depth; or use --depth-map",
         ));
     };
-    let photograph = pictures::load(path, ui)?;
+    let (photograph, tone) = pictures::load(path, args.tones(), ui)?;
     let (height, width) = photograph.size();
     fits(width, height)?;
     ui.used(Input::photograph(&name, &photograph));
-    Ok(Scene::flat(name, args.tone.into_decoded(photograph), psi))
+    Ok((Scene::flat(name, tone.into_decoded(photograph), psi), tone))
 }
 
-/// A photograph with a depth map.
-fn layered(
-    args: &Args,
-    name: String,
-    map: &Path,
-    range: DepthRange,
-    camera: &Camera,
-    ui: &Ui,
-) -> Result<Scene, Error> {
-    let depths = photo::load_grey(map)?;
+/// A photograph with a depth map, and the tone of its values.
+fn layered(args: &Args, name: String, map: &Path, camera: &Camera, ui: &Ui) -> Result<(Scene, Tone), Error> {
+    let depths = DepthMap::load(map, args.map_of, args.map_unit, args.range)?;
     let photograph = photo::load(Path::new(&args.scene))?;
     if depths.dim() != photograph.size() {
         let ((height, width), (rows, columns)) = (depths.dim(), photograph.size());
@@ -370,32 +371,20 @@ fn layered(
     layers::check(args.layers).map_err(|e| Error::message(format!("--{e}")))?;
     let job = format!("{width}x{height} in --layers {}", args.layers);
     memory::check(&job, scene_file::bytes_a_pixel(args.layers) * (width * height) as f64)?;
-    let photograph = pictures::load(Path::new(&args.scene), ui)?;
+    let (photograph, tone) = pictures::load(Path::new(&args.scene), args.tones(), ui)?;
     ui.used(Input::photograph(&name, &photograph));
-    ui.used(Input::photograph("depth map", &ColourFrame { planes: depths.clone().insert_axis(Axis(0)) }));
-    let psi = args.map_of.psis(&depths.slice(s![..height, ..width]), range, camera)?;
-    layers::from_depths(&name, &args.tone.into_decoded(photograph), &psi, args.layers)
-        .map_err(|e| said::of_file(map, e))
-}
-
-impl MapOf {
-    /// ψ of each pixel from a map of 0…1.
-    fn psis(self, map: &ArrayView2<f32>, range: DepthRange, camera: &Camera) -> Result<Array2<f32>, Error> {
-        let [near, far] = range.ends(camera).map_err(|e| Error::message(format!("--range {e}")))?;
-        match (self, range.near, range.far) {
-            (Self::Nearness, ..) => Ok(map.mapv(|v| (far + f64::from(v) * (near - far)) as f32)),
-            (Self::Distance, Depth::Metres(first), Depth::Metres(last)) if last.is_finite() => {
-                Ok(map.mapv(|v| {
-                    let metres = first + f64::from(v) * (last - first);
-                    psi_at(camera, metres, camera.nominal_m.unwrap_or(f64::INFINITY)) as f32
-                }))
-            }
-            _ => Err(Error::message("--map-of distance: --range must be two distances, as in 0.7m:3m")),
-        }
-    }
+    ui.used(Input::photograph("depth map", &ColourFrame { planes: depths.shares().insert_axis(Axis(0)) }));
+    let psi = depths.psis(map, camera, ui)?.slice_move(s![..height, ..width]);
+    let scene = layers::from_depths(&name, &tone.into_decoded(photograph), &psi, args.layers);
+    Ok((scene.map_err(|e| said::of_file(map, e))?, tone))
 }
 
 impl Args {
+    /// The user's tone, or sRGB where neither the user nor the file states another.
+    const fn tones(&self) -> Tones {
+        Tones { given: self.tone, usual: Tone::Srgb }
+    }
+
     /// What is read and written.
     fn files(&self, listed: Option<&ListedScene>, lens: Vec<PathBuf>, ui: &Ui) -> Result<Files, Error> {
         let mut files = Files::new(ui)

@@ -7,7 +7,8 @@ use crate::said;
 use crate::ui::Ui;
 use edof_image::words::number;
 use edof_image::{ColourFrame, Tone};
-use edof_io::photo;
+use edof_io::photo::{self, Photograph};
+use edof_io::transfer::Curve;
 use edof_metrics::mtf50::EdgeResponse;
 use edof_metrics::{BORDER, MetricError, Quality, luma};
 use edof_storage::provenance::Input;
@@ -154,7 +155,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 
 /// The compared part of a picture.
 fn part(file: &Path, args: &Args, ui: &Ui) -> Result<ColourFrame, Error> {
-    let picture = photo::load(file)?;
+    let Photograph { frame: picture, transfer } = photo::open(file)?;
+    let other = transfer.filter(|stated| stated.curve != Curve::Srgb && stated.tone() != Some(args.tone));
+    if let Some(stated) = other {
+        ui.note(format!("{}: states {stated}; its values are compared as they are", file.display()));
+    }
     let name = file.file_stem().unwrap_or_default().to_string_lossy();
     ui.used(Input::photograph(&name, &picture));
     let Some(Region { left, top, width, height }) = args.region else { return Ok(picture) };

@@ -389,9 +389,11 @@ fn tell(judged: &Judged, task: &Task, ui: &Ui) -> Result<(), Error> {
 /// # Errors
 /// Nothing in it, or nothing large enough.
 pub fn statistics(folder: &Path, ui: &Ui) -> Result<Statistics, Error> {
-    let (photos, skipped) = edof_io::photo::load_folder(folder)?;
-    skipped.iter().for_each(|why| ui.note(format!("photo skipped: {why}")));
-    Statistics::of_photos(photos.iter().map(|(_, photo)| photo)).map_err(|e| said::of_file(folder, e))
+    let found = edof_io::photo::load_folder(folder)?;
+    found.skipped.iter().for_each(|why| ui.note(format!("photo skipped: {why}")));
+    found.remarks.into_iter().for_each(|line| ui.note(line));
+    Statistics::of_photos(found.photographs.iter().map(|(_, photo)| photo))
+        .map_err(|e| said::of_file(folder, e))
 }
 
 impl Design {

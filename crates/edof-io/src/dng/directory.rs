@@ -4,9 +4,6 @@ use super::refusal::Refusal;
 use super::tags::{self, Tag};
 use crate::tiff::directory::{self, Unreadable};
 
-/// Beyond, numbers of 64 bits with a fraction are not exact.
-const MAX_WHOLE: f64 = 9e15;
-
 /// One directory.
 #[derive(Debug, Clone)]
 pub struct Directory<'a>(directory::Directory<'a>);
@@ -76,9 +73,7 @@ impl<'a> Directory<'a> {
     /// [`Refusal`] where they cannot be read, are fractions or negative.
     pub fn wholes(&self, tag: Tag) -> Result<Option<Vec<usize>>, Refusal> {
         let Some(numbers) = self.numbers(tag)? else { return Ok(None) };
-        let whole = |v: &f64| (*v >= 0.0 && v.fract() == 0.0 && *v <= MAX_WHOLE).then_some(*v as usize);
-        let wholes: Option<Vec<usize>> = numbers.iter().map(whole).collect();
-        wholes.map(Some).ok_or_else(|| Refusal::wrong(tag, &numbers, "whole numbers from 0 on"))
+        self.0.wholes(tag.0).map(Some).ok_or_else(|| Refusal::wrong(tag, &numbers, "whole numbers from 0 on"))
     }
 
     /// The first whole number of a tag; none where it is missing.

@@ -3,7 +3,8 @@
 use super::directory::Directory;
 use super::refusal::Refusal;
 use super::tags;
-use crate::finish::{Crop, Orientation};
+use crate::finish::Crop;
+use crate::orientation::Orientation;
 
 /// The part of the active area that is the picture, in whole pixels; none if it is all of it.
 ///
@@ -66,6 +67,7 @@ fn is_inside([top, left, bottom, right]: [f64; 4], outer: [f64; 4]) -> bool {
 /// [`Refusal`] for another number than 1 to 8.
 pub fn orientation(first: &Directory<'_>, raw: &Directory<'_>) -> Result<Orientation, Refusal> {
     let of = if first.has(tags::ORIENTATION) { first } else { raw };
-    let Some(number) = of.whole(tags::ORIENTATION)? else { return Ok(Orientation::default()) };
-    Orientation::of(number).ok_or_else(|| Refusal::wrong(tags::ORIENTATION, &[number as f64], "1 to 8"))
+    let Some(number) = of.whole(tags::ORIENTATION)? else { return Ok(Orientation::NoTransforms) };
+    let orientation = u8::try_from(number).ok().and_then(Orientation::from_exif);
+    orientation.ok_or_else(|| Refusal::wrong(tags::ORIENTATION, &[number as f64], "1 to 8"))
 }

@@ -1,7 +1,8 @@
 use super::colour::{D65_FROM_SRGB, product};
 use super::tags::Tag;
 use super::*;
-use crate::finish::{Crop, Orientation};
+use crate::finish::Crop;
+use crate::orientation::Orientation;
 use proptest::prelude::*;
 
 const WIDTH: usize = 20;
@@ -336,7 +337,7 @@ fn crop_and_orientation_are_those_of_the_file() {
     let Dng { frame, finish, .. } = decoded(&plain(about.clone(), raw.clone())).unwrap();
     assert_eq!(frame.size(), (12, 18));
     assert_eq!(finish.crop, Some(Crop { top: 2, left: 4, height: 8, width: 10 }));
-    assert_eq!(finish.orientation, Orientation::Clockwise);
+    assert_eq!(finish.orientation, Orientation::Rotate90);
     let half = fractions(tags::USER_CROP, &[0.5, 0.0, 1.0, 0.5]);
     let finish = decoded(&plain(about, [raw, vec![half]].concat())).unwrap().finish;
     assert_eq!(finish.crop, Some(Crop { top: 6, left: 4, height: 4, width: 5 }));

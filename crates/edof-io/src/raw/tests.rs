@@ -69,6 +69,18 @@ fn values_at_the_bottom_of_a_png_are_read_where_stated() {
 }
 
 #[test]
+fn packed_samples_of_a_tiff_are_read_with_their_own_depth() {
+    // Two rows of two 12-bit values; tags of TIFF 6.0, and the pixels behind them.
+    let mut tiff = b"II*\0\x08\0\0\0\x06\0".to_vec();
+    for (tag, value) in [(256u16, 2u32), (257, 2), (258, 12), (262, 1), (273, 86), (279, 6)] {
+        tiff.extend([&tag.to_le_bytes()[..], &[4, 0], &1u32.to_le_bytes(), &value.to_le_bytes()].concat());
+    }
+    tiff.extend([&[0; 4][..], &[0xab, 0xc1, 0x23, 0x00, 0x0f, 0xff]].concat());
+    let frame = loaded("x.tif", &tiff, RawOptions::default()).unwrap();
+    assert_eq!((frame.depth(), frame.values()), (12, ndarray::array![[0xabc, 0x123], [0, 0xfff]]));
+}
+
+#[test]
 fn a_colour_picture_is_no_raw_frame() {
     let error = loaded("x.ppm", b"P3 1 1 65535 1 2 3", RawOptions::default()).unwrap_err();
     assert_eq!(error, "x.ppm: holds a colour picture, expected one raw value a pixel");

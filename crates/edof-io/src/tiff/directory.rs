@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Most directories of a file: raw frames, previews, masks.
 const MAX: usize = 64;
+/// Largest whole number; beyond, numbers of 64 bits with a fraction are not exact.
+const MAX_WHOLE: f64 = 9e15;
 /// Tag of the directories below one.
 const SUB_DIRECTORIES: u16 = 330;
 
@@ -118,7 +120,7 @@ impl<'a> File<'a> {
             if at == 0 || !seen.insert(at) {
                 continue;
             }
-            let Some((directory, next)) = self.directory(at) else {
+            let Some((directory, Some(next))) = self.directory(at) else {
                 is_cut = true;
                 lost = lost.or(is_below.then_some(Unreadable::Cut));
                 continue;
@@ -135,8 +137,8 @@ impl<'a> File<'a> {
         Directories { found, lost, is_cut }
     }
 
-    /// The directory that begins at a byte, and where the next one does (0: none).
-    fn directory(self, at: u64) -> Option<(Directory<'a>, u64)> {
+    /// The directory that begins at a byte, and where the next one does (0: there is none), unless the file ends before it says so.
+    fn directory(self, at: u64) -> Option<(Directory<'a>, Option<u64>)> {
         let (head, row) = if self.is_wide { (8, 20) } else { (2, 12) };
         let count = self.whole(at, head)?;
         let begin = at + head;
@@ -151,8 +153,7 @@ impl<'a> File<'a> {
             // As libtiff has it, a tag that comes again is not read.
             entries.entry(tag).or_insert(Entry { kind, count, at });
         }
-        // A file may end with its last directory, without the offset of a next one.
-        Some((Directory { file: self, entries }, self.whole(end, self.word()).unwrap_or(0)))
+        Some((Directory { file: self, entries }, self.whole(end, self.word())))
     }
 }
 
@@ -204,6 +205,19 @@ impl<'a> Directory<'a> {
         let numbers: Option<Vec<f64>> =
             (0..count).map(|index| self.number(kind, at + index * size)).collect();
         numbers.map(Some).ok_or(Unreadable::Cut)
+    }
+
+    /// Returns the whole numbers of a tag; none where it is missing, cannot be read, or has a fraction or a negative number.
+    #[must_use]
+    pub fn wholes(&self, tag: u16) -> Option<Vec<usize>> {
+        let whole = |v: f64| (v >= 0.0 && v.fract() == 0.0 && v <= MAX_WHOLE).then_some(v as usize);
+        self.numbers(tag).ok()??.into_iter().map(whole).collect()
+    }
+
+    /// Returns the first of them.
+    #[must_use]
+    pub fn whole(&self, tag: u16) -> Option<usize> {
+        self.wholes(tag)?.first().copied()
     }
 
     /// Returns two unsigned fractions that begin at a byte of a tag's values.

@@ -1,3 +1,211 @@
-//! TIFF and BigTIFF.
+//! TIFF and BigTIFF: the samples of a file's first picture.
+//!
+//! Read are grey, RGB, palette and CMYK pictures of 1 to 16 unsigned bits per sample. They are in strips or tiles, interleaved or in
+//! planes, uncompressed or as LZW, Deflate, PackBits or JPEG. Any other kind is named for what it is. Tags are numbered as in
+//! "TIFF Revision 6.0" (Adobe, 1992).
 
+mod chunks;
 pub mod directory;
+
+use crate::samples::Samples;
+use chunks::Layout;
+use directory::{Directory, File};
+use ndarray::{Array3, Axis, s};
+
+/// Numbers of the tags.
+mod tag {
+    pub const SUBFILE: u16 = 254;
+    pub const WIDTH: u16 = 256;
+    pub const HEIGHT: u16 = 257;
+    pub const BITS: u16 = 258;
+    pub const COMPRESSION: u16 = 259;
+    pub const INTERPRETATION: u16 = 262;
+    pub const FILL_ORDER: u16 = 266;
+    pub const STRIP_OFFSETS: u16 = 273;
+    pub const ORIENTATION: u16 = 274;
+    pub const SAMPLES: u16 = 277;
+    pub const STRIP_ROWS: u16 = 278;
+    pub const STRIP_BYTES: u16 = 279;
+    pub const PLANES: u16 = 284;
+    pub const PREDICTOR: u16 = 317;
+    pub const COLOUR_MAP: u16 = 320;
+    pub const TILE_WIDTH: u16 = 322;
+    pub const TILE_HEIGHT: u16 = 323;
+    pub const TILE_OFFSETS: u16 = 324;
+    pub const TILE_BYTES: u16 = 325;
+    pub const FORMAT: u16 = 339;
+    pub const JPEG_TABLES: u16 = 347;
+    pub const ICC_PROFILE: u16 = 34675;
+    pub const DNG_VERSION: u16 = 50706;
+}
+
+/// Photometric interpretations of a camera's mosaic, and of a linear DNG.
+const RAW: [usize; 2] = [32803, 34892];
+
+/// Reasons not to read a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum TiffError {
+    /// The file contradicts itself or ends too early.
+    Damaged(String),
+    /// More samples than are read.
+    Large(usize, usize),
+    /// Samples that are not unsigned integers of at most 16 bits.
+    Samples(String),
+    /// A valid file of another kind.
+    Unread(String),
+}
+
+impl From<&str> for TiffError {
+    fn from(reason: &str) -> Self {
+        Self::Damaged(reason.to_owned())
+    }
+}
+
+/// A file in memory, its pixels not decoded yet.
+#[derive(Debug)]
+pub struct Tiff<'a> {
+    directory: Directory<'a>,
+}
+
+/// How samples become grey or red, green and blue.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Colour {
+    Grey,
+    /// Grey of which 0 is white.
+    Inverse,
+    Rgb,
+    /// Red, green and blue of each index, one after another.
+    Palette(Vec<u16>),
+    Cmyk,
+    /// Luma and chroma; JPEG's decoder turns them to RGB.
+    YCbCr,
+}
+
+impl Colour {
+    const fn samples(&self) -> usize {
+        match self {
+            Self::Grey | Self::Inverse | Self::Palette(_) => 1,
+            Self::Rgb | Self::YCbCr => 3,
+            Self::Cmyk => 4,
+        }
+    }
+}
+
+impl<'a> Tiff<'a> {
+    /// # Errors
+    /// [`TiffError::Damaged`] for a file without a directory.
+    pub fn open(bytes: &'a [u8]) -> Result<Self, TiffError> {
+        let directory =
+            File::new(bytes).and_then(File::first).ok_or("its directory is missing or cut off")?;
+        Ok(Self { directory })
+    }
+
+    /// Returns the orientation of the picture, 1 to 8 as in Exif.
+    pub fn orientation(&self) -> u8 {
+        let stated = self.directory.whole(tag::ORIENTATION);
+        stated.and_then(|n| u8::try_from(n).ok()).unwrap_or(1)
+    }
+
+    /// Returns whether the file is a DNG, or its first picture a mosaic.
+    pub fn is_camera_raw(&self) -> bool {
+        let interpretation = self.directory.whole(tag::INTERPRETATION);
+        self.directory.has(tag::DNG_VERSION) || interpretation.is_some_and(|what| RAW.contains(&what))
+    }
+
+    /// Returns whether the first picture is a small copy of another one.
+    pub fn is_thumbnail(&self) -> bool {
+        self.directory.whole(tag::SUBFILE).is_some_and(|kind| kind & 1 == 1)
+    }
+
+    /// Returns the colour profile.
+    pub fn icc_profile(&self) -> Option<&'a [u8]> {
+        self.directory.bytes(tag::ICC_PROFILE).ok().flatten()
+    }
+
+    /// Decodes the first picture: rows and columns as stored, alpha dropped.
+    ///
+    /// # Errors
+    /// [`TiffError`].
+    pub fn samples(&self) -> Result<Samples, TiffError> {
+        let layout = Layout::of(&self.directory)?;
+        let colour = self.colour(&layout)?;
+        if colour == Colour::YCbCr && !layout.is_jpeg() {
+            return Err(TiffError::Unread("luma and chroma (YCbCr) without JPEG".to_owned()));
+        }
+        if colour == Colour::Rgb && layout.is_jpeg() {
+            return Err(TiffError::Unread("JPEG compression of red, green and blue".to_owned()));
+        }
+        if colour.samples() > layout.samples {
+            return Err("it has fewer samples per pixel than its colours need".into());
+        }
+        let planes = layout.planes(&self.directory, colour.samples())?;
+        Ok(coloured(planes, &colour, layout.full_scale()))
+    }
+
+    fn colour(&self, layout: &Layout) -> Result<Colour, TiffError> {
+        let interpretation = self.directory.whole(tag::INTERPRETATION).ok_or("it states no colours")?;
+        Ok(match interpretation {
+            0 => Colour::Inverse,
+            // A mosaic has one value per pixel, as grey.
+            1 | 32803 => Colour::Grey,
+            2 => Colour::Rgb,
+            3 => Colour::Palette(self.palette(layout)?),
+            5 => Colour::Cmyk,
+            6 => Colour::YCbCr,
+            other => return Err(TiffError::Unread(interpretation_in_words(other))),
+        })
+    }
+
+    fn palette(&self, layout: &Layout) -> Result<Vec<u16>, TiffError> {
+        let map = self.directory.wholes(tag::COLOUR_MAP).ok_or("it has no colour map")?;
+        if layout.bits > 8 {
+            return Err(TiffError::Unread(format!("palette of {} bits", layout.bits)));
+        }
+        if map.len() != 3 << layout.bits {
+            return Err("its colour map has another size than its samples".into());
+        }
+        // Some writers state 8-bit colours.
+        let scale = if map.iter().all(|v| *v < 256) { 257 } else { 1 };
+        Ok(map.into_iter().map(|v| (v * scale).min(usize::from(u16::MAX)) as u16).collect())
+    }
+}
+
+fn interpretation_in_words(number: usize) -> String {
+    match number {
+        4 => "a transparency mask".to_owned(),
+        8..=10 => "L*a*b* colours".to_owned(),
+        32844 | 32845 => "LogLuv colours".to_owned(),
+        34892 => "a camera's linear raw frame".to_owned(),
+        other => format!("photometric interpretation {other}"),
+    }
+}
+
+/// Grey, or red, green and blue.
+fn coloured(mut planes: Array3<u16>, colour: &Colour, full_scale: u16) -> Samples {
+    match colour {
+        Colour::Grey | Colour::Rgb | Colour::YCbCr => {}
+        Colour::Inverse => planes.mapv_inplace(|v| full_scale - v),
+        Colour::Palette(map) => {
+            let size = map.len() / 3;
+            let indices = planes.index_axis(Axis(0), 0);
+            let (height, width) = indices.dim();
+            let of = |(c, y, x): (usize, usize, usize)| map[c * size + usize::from(indices[(y, x)])];
+            return Samples { planes: Array3::from_shape_fn((3, height, width), of), full_scale: u16::MAX };
+        }
+        Colour::Cmyk => {
+            let full = u32::from(full_scale);
+            let black = planes.index_axis(Axis(0), 3).to_owned();
+            let mut colours = planes.slice_mut(s![..3, .., ..]);
+            for mut plane in colours.outer_iter_mut() {
+                plane.zip_mut_with(&black, |ink, black| {
+                    *ink = ((full - u32::from(*ink)) * (full - u32::from(*black)) / full) as u16;
+                });
+            }
+            planes.slice_collapse(s![..3, .., ..]);
+        }
+    }
+    Samples { planes, full_scale }
+}
+
+#[cfg(test)]
+mod tests;

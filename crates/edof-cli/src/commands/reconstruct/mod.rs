@@ -292,7 +292,7 @@ impl Job<'_> {
                 Error::message(format!("--bit-depth {depth}: {error}"))
             }
             (RawError::Frame { source: source @ FrameError::Depth(_), .. }, None)
-                if record::path_of(self.raw).exists() =>
+                if record::is_beside(self.raw) =>
             {
                 self.of_record(&source.to_string())
             }
@@ -322,7 +322,7 @@ impl Job<'_> {
             }
             error => (true, error.to_string()),
         };
-        if !given && record::path_of(self.raw).exists() {
+        if !given && record::is_beside(self.raw) {
             return self.of_record(&text);
         }
         self.failed(text)
@@ -331,7 +331,7 @@ impl Job<'_> {
     /// What the record beside the frame says wrongly.
     fn of_record(&self, why: &str) -> Error {
         let path = record::path_of(self.raw);
-        Error::message(format!("{}: {why}; fix or delete the file", path.display()))
+        Error::message(format!("{}: {why}; correct the file, or move it elsewhere", path.display()))
     }
 
     /// What the user says, else what the scene's numbers were taken for, else what suits a sensor's light.
@@ -342,7 +342,9 @@ impl Job<'_> {
     /// The frame as light, and its record where one lies beside it.
     fn open(&self, ui: &Ui) -> Result<Taken, Error> {
         let (args, raw) = (self.args, self.raw);
-        let found = record::load(raw)?;
+        let sidecar = record::load(raw)?;
+        sidecar.remark().into_iter().for_each(|line| ui.note(line));
+        let found = sidecar.record();
         let stated = args.stated(args.stated_lens()?.map(|lens| lens.camera));
         let overruled = found.as_ref().map_or(Ok(false), |record| self.overruled(record, &stated, ui))?;
         let record = found.map(|record| record.with(stated.clone()));

@@ -48,8 +48,9 @@ impl Folder {
             ));
             selection = Selection::All;
         }
-        let (photos, skipped) = photos::load(&folder, &selection)?;
+        let photos::Chosen { photos, skipped, remarks } = photos::load(&folder, &selection)?;
         photos.iter().for_each(|photo| ui.used(Input::photograph(&photo.name, &photo.frame)));
+        notes.extend(remarks);
         notes.extend(skipped.iter().map(|why| format!("photo skipped: {why}")));
         if !skipped.is_empty() {
             notes.push(format!(

@@ -68,7 +68,8 @@ pub fn photographs(
     };
     let (mut photographs, mut found) = (vec![], 0);
     for folder in &folders {
-        let (named, skipped) = photo::load_folder(folder)?;
+        let photo::Folder { photographs: named, skipped, remarks } = photo::load_folder(folder)?;
+        remarks.into_iter().for_each(|line| ui.note(line));
         for error in &skipped {
             ui.note(format!("skipped {error}"));
         }

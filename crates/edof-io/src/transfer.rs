@@ -1,0 +1,225 @@
+//! Transfer curves that picture files state: whether samples are linear light, sRGB codes, or codes of another curve.
+//!
+//! A PNG states its curve in chunks. Of these cICP precedes iCCP, iCCP precedes sRGB, and sRGB precedes gAMA, as in "Portable Network
+//! Graphics (PNG) Specification (Third Edition)", section 4.3. A TIFF may have an ICC profile. Other formats are taken to state nothing.
+
+use crate::picture::Format;
+use crate::tiff::Tiff;
+use edof_image::Tone;
+use image::ImageDecoder;
+use image::codecs::png::PngDecoder;
+use std::fmt::{self, Display, Formatter};
+use std::io::Cursor;
+
+/// Transfer curve that a file states, and where it states it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Transfer {
+    /// The curve.
+    pub curve: Curve,
+    /// Where it is stated, as in `gAMA 1`.
+    source: String,
+}
+
+/// A transfer curve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Curve {
+    /// Samples are linear light.
+    Linear,
+    /// Samples are sRGB codes, or close to them.
+    Srgb,
+    /// Another curve, by its name.
+    Other(&'static str),
+}
+
+impl Display for Transfer {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let curve = match self.curve {
+            Curve::Linear => "linear light",
+            Curve::Srgb => "sRGB codes",
+            Curve::Other(name) => name,
+        };
+        write!(f, "{curve} ({})", self.source)
+    }
+}
+
+impl Transfer {
+    /// Reads what a file in memory states; none where it states nothing that is known.
+    #[must_use]
+    pub fn of(bytes: &[u8]) -> Option<Self> {
+        match Format::of(bytes)? {
+            Format::Png => of_png(bytes),
+            Format::Tiff => of_profile(Tiff::open(bytes).ok()?.icc_profile()?),
+            _ => None,
+        }
+    }
+
+    /// Returns the tone that the samples have, where the curve has one.
+    #[must_use]
+    pub const fn tone(&self) -> Option<Tone> {
+        match self.curve {
+            Curve::Linear => Some(Tone::Linear),
+            Curve::Srgb => Some(Tone::Srgb),
+            Curve::Other(_) => None,
+        }
+    }
+}
+
+/// Chunks of a PNG before its pixels, and those behind them if it is whole.
+pub(crate) fn chunks(png: &[u8]) -> impl Iterator<Item = (&[u8], &[u8])> {
+    let mut rest = png.get(8..).unwrap_or_default();
+    std::iter::from_fn(move || {
+        let (length, more) = rest.split_first_chunk::<4>()?;
+        let length = u32::from_be_bytes(*length) as usize;
+        let (name, more) = more.split_at_checked(4)?;
+        let (content, more) = more.split_at_checked(length)?;
+        rest = more.get(4..).unwrap_or_default();
+        Some((name, content))
+    })
+}
+
+fn of_png(png: &[u8]) -> Option<Transfer> {
+    let find = |wanted: &[u8; 4]| chunks(png).find(|(name, _)| *name == wanted).map(|(_, content)| content);
+    let coded = find(b"cICP").and_then(coded);
+    let profile = || find(b"iCCP").map(|_| of_profile(&profile(png)?));
+    coded.or_else(|| match profile() {
+        // A profile decides, even one whose curve is unknown.
+        Some(transfer) => transfer,
+        None => match find(b"sRGB") {
+            Some(_) => Some(Transfer { curve: Curve::Srgb, source: "sRGB chunk".to_owned() }),
+            None => find(b"gAMA").and_then(gamma),
+        },
+    })
+}
+
+fn profile(png: &[u8]) -> Option<Vec<u8>> {
+    PngDecoder::new(Cursor::new(png)).ok()?.icc_profile().ok()?
+}
+
+/// Curve of cICP's transfer characteristics (ITU-T H.273, table 3); none where it is unspecified.
+fn coded(content: &[u8]) -> Option<Transfer> {
+    let [_, transfer, _, full_range] = content[..] else { return None };
+    let curve = match transfer {
+        _ if full_range == 0 => Curve::Other("codes of narrow range"),
+        8 => Curve::Linear,
+        13 => Curve::Srgb,
+        1 | 6 | 14 | 15 => Curve::Other("BT.709's curve"),
+        2 => return None,
+        4 => Curve::Other("a power of 2.2"),
+        5 => Curve::Other("a power of 2.8"),
+        16 => Curve::Other("PQ"),
+        17 => Curve::Other("a power of 2.6"),
+        18 => Curve::Other("HLG"),
+        _ => Curve::Other("an unknown curve"),
+    };
+    let range = if full_range == 0 { ", full-range flag 0" } else { "" };
+    Some(Transfer { curve, source: format!("cICP {transfer}{range}") })
+}
+
+/// Largest relative difference of two exponents that are taken as equal, as by libpng.
+const EQUAL: f64 = 0.05;
+
+/// Curve of an exponent from light to samples, in 1/100000.
+fn gamma(content: &[u8]) -> Option<Transfer> {
+    let exponent = f64::from(u32::from_be_bytes(content.try_into().ok()?)) / 1e5;
+    let is = |other: f64| (exponent / other - 1.0).abs() < EQUAL;
+    let curve = match exponent {
+        e if e <= 0.0 => return None,
+        _ if is(1.0) => Curve::Linear,
+        _ if is(0.45455) => Curve::Srgb,
+        _ => Curve::Other("another power"),
+    };
+    Some(Transfer { curve, source: format!("gAMA {exponent}") })
+}
+
+/// Curve of an ICC profile's first channel, where it is linear; other profiles are taken as encoded and not looked into.
+fn of_profile(profile: &[u8]) -> Option<Transfer> {
+    let number = |at: usize| Some(u32::from_be_bytes(*profile.get(at..)?.first_chunk()?) as usize);
+    let count = number(128)?.min(256);
+    let entries = (0..count).map(|index| 132 + 12 * index);
+    let is_curve = |at: &usize| profile.get(*at..at + 4).is_some_and(|tag| tag == b"rTRC" || tag == b"kTRC");
+    let at = number(entries.into_iter().find(is_curve)? + 4)?;
+    let short = |at: usize| Some(u16::from_be_bytes(*profile.get(at..)?.first_chunk()?));
+    let is_linear = match profile.get(at..at.checked_add(4)?)? {
+        b"curv" => match number(at + 8)? {
+            0 => true,
+            1 => short(at + 12)? == 256,
+            _ => false,
+        },
+        b"para" => short(at + 8)? == 0 && number(at + 12)? == 1 << 16,
+        _ => false,
+    };
+    is_linear.then(|| Transfer { curve: Curve::Linear, source: "ICC profile".to_owned() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A PNG of one grey pixel with chunks before its pixels; their checksums are 0.
+    fn png(more: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
+        let mut bytes = b"\x89PNG\r\n\x1a\n".to_vec();
+        let header: (&[u8; 4], &[u8]) = (b"IHDR", &[0, 0, 0, 1, 0, 0, 0, 1, 8, 0, 0, 0, 0]);
+        for (name, content) in [&[header], more, &[(b"IDAT", &[]), (b"IEND", &[])]].concat() {
+            bytes.extend((content.len() as u32).to_be_bytes());
+            bytes.extend([&name[..], content, &[0; 4]].concat());
+        }
+        bytes
+    }
+
+    fn stated(more: &[(&[u8; 4], &[u8])]) -> String {
+        Transfer::of(&png(more)).map_or("nothing".to_owned(), |transfer| transfer.to_string())
+    }
+
+    #[test]
+    fn each_chunk_states_its_curve() {
+        let gamma = |value: u32| stated(&[(b"gAMA", &value.to_be_bytes())]);
+        assert_eq!(gamma(100_000), "linear light (gAMA 1)");
+        assert_eq!(gamma(45_455), "sRGB codes (gAMA 0.45455)");
+        assert_eq!(gamma(45_000), "sRGB codes (gAMA 0.45)");
+        assert_eq!(gamma(55_556), "another power (gAMA 0.55556)");
+        assert_eq!(gamma(0), "nothing");
+        assert_eq!(stated(&[(b"sRGB", &[0])]), "sRGB codes (sRGB chunk)");
+        for (code, name) in [
+            (1, "BT.709's curve"),
+            (8, "linear light"),
+            (13, "sRGB codes"),
+            (16, "PQ"),
+            (18, "HLG"),
+            (99, "an unknown curve"),
+        ] {
+            assert_eq!(stated(&[(b"cICP", &[1, code, 0, 1])]), format!("{name} (cICP {code})"));
+        }
+        assert_eq!(
+            stated(&[(b"cICP", &[1, 13, 0, 0])]),
+            "codes of narrow range (cICP 13, full-range flag 0)"
+        );
+        assert_eq!(stated(&[]), "nothing");
+    }
+
+    #[test]
+    fn chunks_have_the_precedence_of_the_specification() {
+        let linear = (b"gAMA", &100_000u32.to_be_bytes()[..]);
+        let srgb = (b"sRGB", &[0][..]);
+        assert_eq!(stated(&[linear, srgb]), "sRGB codes (sRGB chunk)");
+        // A profile that cannot be read still precedes gAMA.
+        assert_eq!(stated(&[linear, (b"iCCP", b"x\0\0")]), "nothing");
+        assert_eq!(stated(&[linear, srgb, (b"cICP", &[9, 16, 0, 1])]), "PQ (cICP 16)");
+        assert_eq!(stated(&[linear, (b"cICP", &[9, 2, 0, 1])]), "linear light (gAMA 1)");
+    }
+
+    #[test]
+    fn a_linear_profile_is_known_by_its_curve() {
+        let with = |curve: &[u8]| {
+            let tag =
+                [&1u32.to_be_bytes()[..], b"rTRC", &144u32.to_be_bytes(), &16u32.to_be_bytes()].concat();
+            let profile = [&[0; 128][..], &tag, curve].concat();
+            of_profile(&profile).map(|transfer| transfer.curve)
+        };
+        assert_eq!(with(b"curv\0\0\0\0\0\0\0\0"), Some(Curve::Linear));
+        assert_eq!(with(b"curv\0\0\0\0\0\0\0\x01\x01\0"), Some(Curve::Linear));
+        assert_eq!(with(b"para\0\0\0\0\0\0\0\0\0\x01\0\0"), Some(Curve::Linear));
+        assert_eq!(with(b"curv\0\0\0\0\0\0\0\x01\x02\x33"), None);
+        assert_eq!(with(b"para\0\0\0\0\0\x03\0\0\0\x02\x66\x66"), None);
+        assert_eq!(with(b"curv"), None);
+    }
+}
