@@ -17,6 +17,8 @@ def values(tags, name, default):
     given = tags[name]
     if isinstance(given, tuple) and len(given) == 2 and given[0] == "as":
         given = given[1][1]
+    if isinstance(given, bytes):
+        return list(given)
     given = list(given) if np.ndim(given) or isinstance(given, (list, tuple)) else [given]
     return [v[0] / v[1] if isinstance(v, tuple) else fraction(v)[0] / fraction(v)[1] for v in given]
 

@@ -29,11 +29,11 @@ from scenes import (
     with_sub,
     without_dng,
 )
-from write import LONG, RATIONAL, SHORT, TAGS
+from write import DOUBLE, FLOAT, IFD, IFD8, LONG, LONG8, RATIONAL, SHORT, SRATIONAL, TAGS, UNDEFINED
 
 
 def honoured():
-    found = [*stores(), *frames(), *levels(), *geometry(), *colours(), *lists(), *options()]
+    found = [*stores(), *writers(), *frames(), *levels(), *geometry(), *colours(), *lists(), *options()]
     names = [case.name for case in found]
     assert len(set(names)) == len(names), [n for n in names if names.count(n) > 1]
     return found
@@ -90,6 +90,33 @@ def stores():
         "short-types", (256, 257, 273), shot(tags={"ImageWidth": ("as", (SHORT, [WIDTH])), "ImageLength": ("as", (SHORT, [HEIGHT]))})
     )
     yield Case("rows-default", (278,), shot(without=("RowsPerStrip",)))
+
+
+def writers():
+    """What programs write otherwise than the specification has it, and what it allows but few write."""
+    yield Case("rows-all", (278,), shot(34, 50, tags={"RowsPerStrip": 2**32 - 1}))
+    yield Case("tile-larger", (322,), shot(tile=(64, 64)), libraw=False)
+    yield Case("unsorted", (256,), shot(unsorted=True, BlackLevel=500), libraw=False)
+    yield Case("jpeg-fewer-bits", (258, 259), shot(bits=16, high=16383, compression=7, jpeg={"bits": 14}, WhiteLevel=16383))
+    for name, kind, big in (("ifd", IFD, False), ("ifd8", IFD8, True), ("long8", LONG8, True)):
+        inner = without_dng(shot())
+        first = with_sub(inner)
+        first.sub_kind = kind
+        yield Case(f"sub-{name}", (330,), inner, [first], big=big, libraw=False)
+    pattern = [0, 1, 1, 2]
+    for name, tags in {
+        "pattern-undefined": {"CFAPattern": ("as", (UNDEFINED, bytes(pattern)))},
+        "area-short": {"ActiveArea": ("as", (SHORT, [2, 4, 30, 44]))},
+        "black-srational": {"BlackLevel": ("as", (SRATIONAL, [700]))},
+        "black-negative": {"BlackLevel": ("as", (SRATIONAL, [-700]))},
+        "black-float": {"BlackLevel": ("as", (FLOAT, [700.0]))},
+        "neutral-float": {"AsShotNeutral": ("as", (FLOAT, [0.5, 1.0, 0.625]))},
+        "matrix-double": {"ColorMatrix1": ("as", (DOUBLE, WARM)), "AsShotNeutral": NEUTRAL},
+        "white-several": {"WhiteLevel": [60000, 50000, 40000]},
+    }.items():
+        yield Case(f"type-{name}", tuple(TAGS[n][0] for n in tags), shot(light=scene() * 0.6, **tags), libraw=False)
+    gains = as_list(per_line(12, WHOLE, [0.7] * HEIGHT))
+    yield Case("type-opcodes-byte", (51009,), shot(OpcodeList2=gains, tags={"OpcodeList2": gains}), libraw=False)
 
 
 def frames():

@@ -90,7 +90,7 @@ def scene(height=HEIGHT, width=WIDTH, phase="rggb", seed=1, noise=0.02, flat=Fal
 
 def shot(height=HEIGHT, width=WIDTH, bits=16, phase="rggb", low=0.0, high=None, light=None, floating=False, **given):
     """A directory whose stored values lie between `low` and `high`; the other arguments are those of Directory, or tags."""
-    fields = {name: given.pop(name) for name in ("compression", "tile", "strip", "jpeg", "subs", "without") if name in given}
+    fields = {name: given.pop(name) for name in ("compression", "tile", "strip", "jpeg", "subs", "without", "unsorted") if name in given}
     high = high if high is not None else (1.0 if floating else (1 << bits) - 1)
     light = scene(height, width, phase) if light is None else light
     stored = low + (high - low) * light

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 BYTE, ASCII, SHORT, LONG, RATIONAL, SBYTE, UNDEFINED, SSHORT, SLONG, SRATIONAL, FLOAT, DOUBLE, IFD = range(1, 14)
-LONG8 = 16
+LONG8, IFD8 = 16, 18
 
 CODES = {
     BYTE: "B",
@@ -22,6 +22,7 @@ CODES = {
     DOUBLE: "d",
     IFD: "I",
     LONG8: "Q",
+    IFD8: "Q",
 }
 
 # Tags that the oracle understands: number and type.
@@ -130,7 +131,9 @@ class Directory:
     jpeg: dict = field(default_factory=dict)
     tags: dict = field(default_factory=dict)
     subs: list = field(default_factory=list)
+    sub_kind: int = LONG
     without: tuple = ()
+    unsorted: bool = False
 
 
 class Writer:
@@ -161,7 +164,7 @@ class Writer:
         if directory.stored is not None:
             tags |= self.picture(directory)
         if directory.subs:
-            tags["SubIFDs"] = [self.directory(sub)[0] for sub in directory.subs]
+            tags["SubIFDs"] = ("as", (directory.sub_kind, [self.directory(sub)[0] for sub in directory.subs]))
         tags |= directory.tags
         entries = {}
         for name, values in tags.items():
@@ -175,7 +178,7 @@ class Writer:
         places = {number: self.put(data) for number, (_, data, _) in entries.items() if len(data) > inline}
         word = "Q" if self.big else "I"
         table = struct.pack(self.order + ("Q" if self.big else "H"), len(entries))
-        for number, (kind, data, count) in sorted(entries.items()):
+        for number, (kind, data, count) in sorted(entries.items(), reverse=directory.unsorted):
             value = struct.pack(self.order + word, places[number]) if number in places else data.ljust(inline, b"\0")
             table += struct.pack(self.order + "HH" + word, number, kind, count) + value
         at = self.put(table + bytes(inline))
@@ -211,7 +214,7 @@ class Writer:
 
     def part(self, values, directory):
         if directory.compression == 7:
-            return lossless_jpeg(values, directory.bits, **directory.jpeg)
+            return lossless_jpeg(values, **({"bits": directory.bits} | directory.jpeg))
         if values.dtype.kind == "f":
             return floats(values, directory.bits, self.order)
         return integers(values, directory.bits, self.order)
