@@ -11,7 +11,7 @@ const LIMIT: &str = "the limit of processes and threads is reached (ulimit -u, o
 /// Users without a name, one for each run: the limit counts all processes of a user.
 static NEXT_USER: AtomicU32 = AtomicU32::new(0);
 
-/// Runs `edof` with at most so many processes and threads. The limit does not bind root, who becomes another user for it; for all others
+/// Runs `edof` with at most N processes and threads. The limit does not bind root, who becomes another user for it; for all others
 /// their own processes count, so that the limit is reached from the start.
 fn limited(place: &Place, processes: u32, line: &str) -> Run {
     let is_root = Command::new("id").arg("-u").output().unwrap().stdout == b"0\n";
@@ -54,7 +54,7 @@ fn results_are_the_same_with_fewer_threads_and_without_any() {
     let place = open();
     for (name, line) in [
         ("reconstruct", "reconstruct raw.png --weights net.fixed.safetensors --out OUT.png"),
-        ("float", "reconstruct raw.png --weights net.safetensors --out OUT.png"),
+        ("float", "reconstruct raw.png --float --weights net.safetensors --out OUT.png"),
         ("capture", "capture photo.png --psi 3 --noise 0.01 --out OUT.png"),
         ("optics", "optics ring-outer --psi 4 --out OUT"),
         ("quantize", "quantize net.safetensors --out OUT.fixed.safetensors"),
