@@ -1,7 +1,9 @@
 //! A limit of processes (`ulimit -u`): fewer threads, or an error that names the limit; never a panic.
 
 use crate::support::{Place, Run};
+use std::collections::BTreeMap;
 use std::os::unix::fs::PermissionsExt;
+use std::path::PathBuf;
 use std::process::Command;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -11,7 +13,7 @@ const LIMIT: &str = "the limit of processes and threads is reached (ulimit -u, o
 /// Users without a name, one for each run: the limit counts all processes of a user.
 static NEXT_USER: AtomicU32 = AtomicU32::new(0);
 
-/// Runs `edof` with at most so many processes and threads. The limit does not bind root, who becomes another user for it; for all others
+/// Runs `edof` with at most N processes and threads. The limit does not bind root, who becomes another user for it; for all others
 /// their own processes count, so that the limit is reached from the start.
 fn limited(place: &Place, processes: u32, line: &str) -> Run {
     let is_root = Command::new("id").arg("-u").output().unwrap().stdout == b"0\n";
@@ -49,43 +51,40 @@ fn without_numbers(text: &str) -> String {
     text.chars().filter(|c| !(c.is_ascii_digit() || *c == '.')).collect()
 }
 
+/// What a run wrote, which is then taken away.
+fn written(place: &Place) -> BTreeMap<PathBuf, Vec<u8>> {
+    let snapshot = |name: &str| std::fs::read(place.path(name)).ok().map(|bytes| (name.into(), bytes));
+    let files =
+        ["out.png", "out.fixed.safetensors", "out.safetensors"].into_iter().filter_map(snapshot).collect();
+    for name in ["out.png", "out.png.json", "out.fixed.safetensors", "out.safetensors"] {
+        let _ = std::fs::remove_file(place.path(name));
+    }
+    let _ = std::fs::remove_dir_all(place.path("out"));
+    files
+}
+
 #[test]
 fn results_are_the_same_with_fewer_threads_and_without_any() {
     let place = open();
-    for (name, line) in [
-        ("reconstruct", "reconstruct raw.png --weights net.fixed.safetensors --out OUT.png"),
-        ("float", "reconstruct raw.png --weights net.safetensors --out OUT.png"),
-        ("capture", "capture photo.png --psi 3 --noise 0.01 --out OUT.png"),
-        ("optics", "optics ring-outer --psi 4 --out OUT"),
-        ("quantize", "quantize net.safetensors --out OUT.fixed.safetensors"),
-        (
-            "train",
-            "train --form two-sided,w8,t2,c8 --images photos --depths 1 --steps 4 --batch 64 --validate-every 2 --threads 2 --out OUT.safetensors",
-        ),
-        ("design", "design check --design tiny"),
-        ("estimate", "estimate --design tiny --weights paper-t4"),
-        ("generate", "generate --design tiny --out OUT"),
-        ("compare", "compare photo.png photo.png"),
+    for line in [
+        "reconstruct raw.png --weights net.fixed.safetensors --out out.png",
+        "reconstruct raw.png --float --weights net.safetensors --out out.png",
+        "capture photo.png --psi 3 --noise 0.01 --out out.png",
+        "optics ring-outer --psi 4 --out out",
+        "quantize net.safetensors --out out.fixed.safetensors",
+        "train --camera clear --form two-sided,w8,t2,c8 --images photos --depths 1 --steps 4 --batch 64 --validate-every 2 \
+         --threads 2 --out out.safetensors",
+        "estimate --design tiny",
+        "generate --design paper --weights paper-t4 --out out",
+        "compare photo.png photo.png",
     ] {
-        let run = |processes: Option<u32>| {
-            let out = format!("{name}-{}", processes.unwrap_or(0));
-            let line = line.replace("OUT", &out);
-            let run =
-                processes.map_or_else(|| place.edof(&line), |processes| limited(&place, processes, &line));
-            assert!(run.code == Some(0), "{line}, {processes:?} processes: {}", run.err);
-            (out, run)
-        };
-        let (all, free) = run(None);
+        let free = place.edof(line).done();
+        let all = written(&place);
         for processes in [1, 2, 4] {
-            let (out, run) = run(Some(processes));
-            let said = run.err.lines().filter(|line| line.contains(LIMIT)).count();
-            assert_eq!(said, 1, "{name}, {processes} processes: {}", run.err);
-            assert_eq!(without_numbers(&run.out.replace(&out, &all)), without_numbers(&free.out), "{name}");
-            for ending in [".png", ".fixed.safetensors"] {
-                let [one, other] =
-                    [&all, &out].map(|name| std::fs::read(place.path(&format!("{name}{ending}"))).ok());
-                assert!(one == other, "{name}{ending}, {processes} processes");
-            }
+            let run = limited(&place, processes, line).done();
+            assert_eq!(run.err.matches(LIMIT).count(), 1, "{line}, {processes} processes: {}", run.err);
+            assert_eq!(without_numbers(&run.out), without_numbers(&free.out), "{line}");
+            assert!(written(&place) == all, "{line}, {processes} processes");
         }
     }
 }

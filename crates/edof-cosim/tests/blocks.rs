@@ -291,7 +291,7 @@ fn window_ring() {
     }
 }
 
-/// A ring that is full after so many cycles.
+/// A ring that is full after N cycles.
 fn window_ring_of(stage: &StagePlan, filled: u64) {
     let (beats, places) = (stage.linear as u64 / 2, stage.kept_windows as u64);
     assert!(beats * places < filled);

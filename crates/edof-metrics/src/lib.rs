@@ -3,6 +3,7 @@
 //! | what | module |
 //! |---|---|
 //! | PSNR, SSIM and luma of a picture together, with the conventions of every number of this project | [`quality`] |
+//! | frames that can be compared | [`comparable`] |
 //! | PSNR alone | [`psnr`](mod@psnr) |
 //! | SSIM alone | [`ssim`](mod@ssim) |
 //! | MTF and MTF50 of a slanted edge | [`mtf50`] |
@@ -24,6 +25,7 @@
 //! # Ok::<(), edof_metrics::MetricError>(())
 //! ```
 
+pub mod comparable;
 pub mod cpu_time;
 pub mod memory;
 pub mod mtf50;
@@ -34,6 +36,7 @@ pub mod quality;
 pub mod ssim;
 pub mod timing;
 
+pub use comparable::MetricError;
 pub use psnr::{decibel, mean_square, psnr};
-pub use quality::{BORDER, MetricError, Quality, luma, shown};
+pub use quality::{BORDER, Quality, luma, shown};
 pub use ssim::ssim;

@@ -1,6 +1,6 @@
 //! Peak signal-to-noise ratio.
 
-use crate::quality::{MetricError, compared};
+use crate::comparable::{MetricError, compared};
 use edof_image::ColourFrame;
 use ndarray::{ArrayView2, Axis};
 
@@ -17,7 +17,7 @@ use ndarray::{ArrayView2, Axis};
 /// ```
 ///
 /// # Errors
-/// [`MetricError`] for frames of different sizes, or of which the border leaves nothing.
+/// [`MetricError`] for frames of different sizes, or frames without pixels inside the border.
 pub fn psnr(truth: &ColourFrame, estimate: &ColourFrame, border: usize) -> Result<f64, MetricError> {
     let (truth, estimate) = compared(truth, estimate, border, 1)?;
     let error = |p| mean_square(truth.planes.index_axis(Axis(0), p), estimate.planes.index_axis(Axis(0), p));

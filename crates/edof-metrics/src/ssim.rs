@@ -1,6 +1,6 @@
 //! Structural similarity.
 
-use crate::quality::{MetricError, check};
+use crate::comparable::{MetricError, check};
 use ndarray::{Array2, ArrayView2, s};
 
 /// Standard deviation of the Gaussian window, in pixels.

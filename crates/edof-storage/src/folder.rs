@@ -148,8 +148,8 @@ fn replace(out: &Path, files: &Contents, force: bool) -> Result<(), FolderError>
         let _ = place.parent().map(fs::remove_dir);
     }
     let folders: BTreeSet<&Path> = files.keys().chain(&ours).filter_map(|path| path.parent()).collect();
-    let there = folders.into_iter().map(|folder| out.join(folder)).filter(|folder| folder.is_dir());
-    there.map(|folder| atomic::sync(&folder).map_err(|e| failed(&folder, &e))).collect()
+    let mut there = folders.into_iter().map(|folder| out.join(folder)).filter(|folder| folder.is_dir());
+    there.try_for_each(|folder| atomic::sync(&folder).map_err(|e| failed(&folder, &e)))
 }
 
 /// Makes a file in a folder that need not be there yet.
