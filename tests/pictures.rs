@@ -214,6 +214,12 @@ fn a_depth_map_in_a_unit_that_gives_no_depth_is_rejected() {
     refused(&[0, 3000], "--map-unit mm", &["map.png", "nominal_m"]);
     refused(&[0, 3000], "--map-unit mm --range 1m:4m", &["map.png", "nominal_m"]);
     refused(&[1, 3000], "--map-unit mm --nominal 10", &["map.png: ", "0.001m:3m", "within 200"]);
-    refused(&[3000], "--map-unit km", &["unit 'km': must be mm, cm or m, or a multiple such as 0.2mm"]);
-    refused(&[3000], "", &["--range", "--map-unit"]);
+    for (more, words) in [
+        ("--map-unit km", "unit 'km': must be mm, cm or m, or a multiple such as 0.2mm"),
+        ("", "--range <NEAR:FAR>|--map-unit <UNIT>"),
+    ] {
+        let line = format!("capture photo.png --camera clear --depth-map map.png {more} --out raw.png");
+        let run = place.edof(&line);
+        assert!(run.code == Some(2) && run.err.contains(words), "{}", run.err);
+    }
 }

@@ -147,7 +147,7 @@ fn a_record_of_another_frame_is_rejected() {
     place.raw("raw.png", 128, 96);
     let line = "reconstruct raw.png --weights net.safetensors --out out.png";
     place.edof(line).refused(&["raw.png.json", "describes another frame"]);
-    place.write("raw.png.json", "{}");
+    place.write("raw.png.json", "{\"phase\": \"rggb\", \"sha256\": \"0\"}");
     place.edof(line).refused(&["raw.png.json", "invalid raw-frame record"]);
 }
 

@@ -87,7 +87,7 @@ fn ready() -> Place {
     place.write("long.json", " ".repeat((1 << 20) + 1) + "{}");
     place.write("latin.json", b"{\"name\": \"caf\xe9\"}");
     place.write("said.png", std::fs::read(place.path("raw.png")).unwrap());
-    place.write("said.png.json", r#"{"phase": "rgbg"}"#);
+    place.write("said.png.json", r#"{"phase": "rgbg", "sha256": "0"}"#);
     std::fs::copy(place.path("net.fixed.safetensors"), place.path("kinds.fixed.safetensors")).unwrap();
     forge(&place.path("kinds.fixed.safetensors"), |text, _| {
         *text = text.replace("\"code_bits\":16", "\"code_bits\":{}");

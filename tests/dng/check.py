@@ -225,7 +225,7 @@ def reports(checker):
         "float16.dng": (0.3, 0.4, 0.5),
         "several-raws.dng": (0.3, 0.4, 0.5),
         "illuminants-swapped.dng": (0.210, 0.386, 0.541),
-        "foreign-sidecar.dng": (0.3, 0.4, 0.5),
+        "foreign-sidecar.dng": (0.210, 0.386, 0.541),
     }
     notes = {"several-raws.dng": "4 raw frames", "foreign-sidecar.dng": "foreign-sidecar.dng.json"}
     for file in sorted(folder.glob("*.dng*")):

@@ -110,6 +110,7 @@ pub const CONTRADICTIONS: &[Row] = &[
     ("study design --weights paper-t4", "--fps=-1", &["--fps -1: must be more than 0"]),
     ("explore --weights paper-t4,paper-t4", "", &["--weights: paper-t4 is given twice"]),
     ("study design --weights paper-t4,paper-t4", "", &["--weights: paper-t4 is given twice"]),
+    (CAPTURE, "--psi 1 --map-unit mm", &["--map-unit mm: is of a depth map; add --depth-map, or omit"]),
     (CAPTURE, "--psi 1 --range 8:0", &["--range 8:0: is of a depth map; add --depth-map, or omit --range"]),
     (TRAIN, "--out o --patience 0", &["--patience 0: must be 1 or more"]),
     (TRAIN, "--out o --saturation -1:1", &["--saturation -1: must be 0 to 10"]),

@@ -31,7 +31,7 @@ pub enum DepthMap {
 
 impl DepthMap {
     /// # Errors
-    /// A file that is no grey picture.
+    /// A file that is not a grey picture.
     pub fn load(
         file: &Path,
         of: MapOf,

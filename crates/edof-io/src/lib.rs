@@ -43,6 +43,7 @@ pub mod packing;
 pub mod photo;
 pub mod photos;
 pub mod picture;
+mod png_chunks;
 pub mod pnm;
 pub mod raw;
 pub mod read_warnings;

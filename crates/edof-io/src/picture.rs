@@ -1,9 +1,10 @@
 //! Picture files: PNG, TIFF, PGM and PPM to samples and back; JPEG, WebP and BMP to samples.
 
 use crate::orientation::{Orientation, turned};
+use crate::png_chunks::chunks;
 use crate::samples::Samples;
 use crate::tiff::{Tiff, TiffError};
-use crate::{camera_raw, pnm, transfer};
+use crate::{camera_raw, pnm};
 use edof_storage::input;
 use image::codecs::jpeg::JpegDecoder;
 use image::codecs::png::PngEncoder;
@@ -327,7 +328,7 @@ fn image(bytes: &[u8], format: ImageFormat) -> ImageResult<(DynamicImage, Orient
 
 /// Orientation in a PNG's Exif, which may be behind its pixels.
 fn of_png(bytes: &[u8]) -> Orientation {
-    let exif = transfer::chunks(bytes).find(|(name, _)| name == b"eXIf");
+    let exif = chunks(bytes).find(|(name, _)| name == b"eXIf");
     exif.and_then(|(_, exif)| Orientation::from_exif_chunk(exif)).unwrap_or(Orientation::NoTransforms)
 }
 

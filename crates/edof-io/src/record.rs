@@ -4,8 +4,8 @@
 //! without complaint. So [`crate::raw`]'s files carry what they cannot say themselves.
 //!
 //! Other programs put JSON beside frames, too. A file is taken for a record if its JSON has the field `phase` and one of `sha256`,
-//! `alignment` and `provenance`, or if it is no valid JSON and begins with the field `phase`, as a truncated record does. Any other
-//! file is passed over.
+//! `alignment` and `provenance`. Text that is not valid JSON is taken for one if it names these fields, or begins with `phase` as a
+//! truncated record does. Any other file is passed over.
 
 use crate::levels::{Black, Levels};
 use crate::packing::Packing;
@@ -179,14 +179,16 @@ pub fn is_record_file(path: &Path) -> bool {
 
 /// Whether a text is meant as a record.
 fn is_record(text: &str) -> bool {
+    let names_record = |has: &dyn Fn(&str) -> bool| {
+        has("phase") && ["sha256", "alignment", "provenance"].into_iter().any(has)
+    };
     match json::parse::<BTreeMap<String, IgnoredAny>>(text) {
-        Ok(fields) => {
-            let has = |name: &&str| fields.contains_key(*name);
-            has(&"phase") && ["sha256", "alignment", "provenance"].iter().any(has)
-        }
+        Ok(fields) => names_record(&|name| fields.contains_key(name)),
         Err(_) => {
-            let begin: String = text.chars().filter(|c| !c.is_whitespace()).take(9).collect();
-            begin.trim_start_matches('\u{feff}').starts_with("{\"phase\"")
+            let text = text.trim_start_matches(|c: char| c == '\u{feff}' || c.is_whitespace());
+            let begins = |text: &str| text.trim_start().starts_with("\"phase\"");
+            let contains = |name: &str| text.contains(&format!("\"{name}\""));
+            text.strip_prefix('{').is_some_and(|rest| begins(rest) || names_record(&contains))
         }
     }
 }
@@ -441,10 +443,15 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (path, ..) = taken(folder.path(), "frame.png", CfaPhase::Rggb);
         let whole = std::fs::read_to_string(path_of(&path)).unwrap();
+        let longer = format!("{whole}{{}}");
         let no_hash = whole.replace("\"sha256\"", "\"sha1\"");
-        for damaged in
-            [&whole[..whole.len() / 2], &whole[..14], &no_hash, "{\"phase\": \"rggb\", \"sha256\": 3}"]
-        {
+        for damaged in [
+            &whole[..whole.len() / 2],
+            &whole[..14],
+            &longer,
+            &no_hash,
+            "{\"phase\": \"rggb\", \"sha256\": 3}",
+        ] {
             std::fs::write(path_of(&path), damaged).unwrap();
             let error = load(&path).unwrap_err();
             assert!(matches!(error, RecordError::Invalid { .. }) && is_beside(&path), "{damaged}");

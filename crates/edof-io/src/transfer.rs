@@ -4,6 +4,7 @@
 //! Graphics (PNG) Specification (Third Edition)", section 4.3. A TIFF may have an ICC profile. Other formats are taken to state nothing.
 
 use crate::picture::Format;
+use crate::png_chunks::chunks;
 use crate::tiff::Tiff;
 use edof_image::Tone;
 use image::ImageDecoder;
@@ -62,19 +63,6 @@ impl Transfer {
             Curve::Other(_) => None,
         }
     }
-}
-
-/// Chunks of a PNG before its pixels, and those behind them if it is whole.
-pub(crate) fn chunks(png: &[u8]) -> impl Iterator<Item = (&[u8], &[u8])> {
-    let mut rest = png.get(8..).unwrap_or_default();
-    std::iter::from_fn(move || {
-        let (length, more) = rest.split_first_chunk::<4>()?;
-        let length = u32::from_be_bytes(*length) as usize;
-        let (name, more) = more.split_at_checked(4)?;
-        let (content, more) = more.split_at_checked(length)?;
-        rest = more.get(4..).unwrap_or_default();
-        Some((name, content))
-    })
 }
 
 fn of_png(png: &[u8]) -> Option<Transfer> {

@@ -343,6 +343,11 @@ fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<(Scene, Tone), Error> {
             "--range {range}: is of a depth map; add --depth-map, or omit --range"
         )));
     }
+    if let Some(unit) = args.map_unit {
+        return Err(Error::message(format!(
+            "--map-unit {unit}: is of a depth map; add --depth-map, or omit --map-unit"
+        )));
+    }
     let [psi] = args.drawing.psis(camera)?[..] else {
         return Err(Error::message(
             "--psi: expected one value, because a photograph is at one depth; or use --depth-map",

@@ -1,6 +1,6 @@
 //! TIFF and BigTIFF: the samples of a file's first picture.
 //!
-//! Read are grey, RGB, palette and CMYK pictures of 1 to 16 unsigned bits per sample. They are in strips or tiles, interleaved or in
+//! Grey, RGB, palette and CMYK pictures of 1 to 16 unsigned bits per sample are read. They are in strips or tiles, interleaved or in
 //! planes, uncompressed or as LZW, Deflate, PackBits or JPEG. Any other kind is named for what it is. Tags are numbered as in
 //! "TIFF Revision 6.0" (Adobe, 1992).
 

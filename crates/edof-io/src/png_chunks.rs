@@ -1,0 +1,14 @@
+//! Chunks of a PNG, for what its decoder does not give.
+
+/// Returns the name and content of each chunk of a file, as far as the file is whole.
+pub fn chunks(png: &[u8]) -> impl Iterator<Item = (&[u8], &[u8])> {
+    let mut rest = png.get(8..).unwrap_or_default();
+    std::iter::from_fn(move || {
+        let (length, more) = rest.split_first_chunk::<4>()?;
+        let length = u32::from_be_bytes(*length) as usize;
+        let (name, more) = more.split_at_checked(4)?;
+        let (content, more) = more.split_at_checked(length)?;
+        rest = more.get(4..).unwrap_or_default();
+        Some((name, content))
+    })
+}
