@@ -23,6 +23,7 @@ mod pipes;
 mod playout;
 mod prose;
 mod provenance;
+mod random_designs;
 mod saturations;
 mod sizes;
 mod soak;

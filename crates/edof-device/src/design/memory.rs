@@ -64,6 +64,9 @@ pub const SNAPSHOT_REGISTERS: usize = WHOLE_CHAIN << 2 | 3;
 /// Bits of [`address`]: stage, space, bank, row, half.
 pub const ADDRESS_BITS: [u32; 5] = [4, 2, 6, 12, 1];
 
+/// Most words of a bank, both sets: [`ADDRESS_BITS`] and a command to read ([`super::reading::read_command`]) number them in 12 bits.
+pub const MAX_BANK_WORDS: usize = 1 << ADDRESS_BITS[3];
+
 /// The write address of a word of stage `stage`.
 #[must_use]
 pub const fn address(stage: usize, space: Space) -> u32 {
@@ -79,7 +82,7 @@ pub const fn address(stage: usize, space: Space) -> u32 {
 /// Rows of a set in each space of a stage: those of set 0 come first, then those of set 1.
 #[must_use]
 pub fn rows_of_a_set(stage: &StagePlan) -> [usize; 4] {
-    [stage.weight_rows() << row_bits(stage), stage.beats_out(), stage.beats_out(), 1]
+    [stage.bank_words() / 2, stage.beats_out(), stage.beats_out(), 1]
 }
 
 /// The set that a word belongs to, by the address at which the host writes it; none where it belongs to no set or lies in no stage.
