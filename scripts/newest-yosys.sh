@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the Yosys of tests/yosys.txt under target/, where it is missing, and prints the path of the program.
+# Installs the Yosys of tests/yosys/requirements.txt under target/, where it is missing, and prints the path of the program.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh

@@ -58,7 +58,7 @@ need_provers() {
 # Installs the newest Yosys that is a package, in an environment of its own: `$newest_yosys` runs it.
 need_newest_yosys() {
     need_python
-    local pins=tests/yosys.txt environment
+    local pins=tests/yosys/requirements.txt environment
     environment=$(realpath -m "${CARGO_TARGET_DIR:-target}/newest-yosys")
     if ! cmp -s "$pins" "$environment/requirements.txt"; then
         say "installing Yosys under $environment"

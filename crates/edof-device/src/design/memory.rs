@@ -236,7 +236,47 @@ pub fn threshold_image(stage: &StagePlan, before: bool) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::StageSize;
     use super::*;
+
+    /// A design whose I has the given window, codes, lanes and rows.
+    fn dense(window: usize, codes: usize, lanes: usize, rows: usize) -> Design {
+        let mut design = Design::from_json(include_str!("../../../../designs/tiny.json")).unwrap();
+        design.form.window = edof_image::Window::new(window).unwrap();
+        (design.form.codes, design.form.layers) = (codes, 2);
+        design.stages = [(lanes, rows), (64, 2)].map(|(lanes, rows)| StageSize { lanes, rows }).into();
+        design
+    }
+
+    #[test]
+    fn a_bank_has_at_most_as_many_words_as_addresses() {
+        // Outputs / lanes x inputs x 2 sets; with three rows each fourth number has no word.
+        for (window, codes, lanes, rows, words) in [
+            (8, 256, 8, 4, 4096),
+            (8, 256, 4, 4, 8192),
+            (12, 192, 12, 4, 4608),
+            (12, 192, 16, 4, 3456),
+            (12, 192, 16, 3, 4608),
+            (12, 192, 24, 3, 3072),
+            (16, 256, 32, 1, 4096),
+            (16, 256, 16, 1, 8192),
+        ] {
+            let design = dense(window, codes, lanes, rows);
+            let stage = design.stage(0);
+            assert_eq!(stage.bank_words(), words);
+            assert_eq!(design.check().is_ok(), words <= 4096, "{words} words");
+            if words > 4096 {
+                let expected = format!(
+                    "stages[0].lanes {lanes}: must be more: four lanes have two sets of weights in {words} words with {rows} rows, \
+                     and addresses for 4096"
+                );
+                assert_eq!(design.check().unwrap_err().to_string(), expected);
+            } else {
+                let last = Space::Weights { bank: stage.banks() - 1, row: words - 1, half: 1 };
+                assert_eq!(set_of(&design, address(0, last)), Some(Set::Second));
+            }
+        }
+    }
 
     #[test]
     fn every_word_of_a_set_is_known_as_one_of_it() {
