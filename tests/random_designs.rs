@@ -39,7 +39,7 @@ fn one_of<T: Copy>(draw: &mut Draw, choices: &[T]) -> T {
     choices[draw.whole(0, choices.len() as i64 - 1) as usize]
 }
 
-/// Whether it is the case once in so many.
+/// Returns true once in N calls, on average.
 fn rarely(draw: &mut Draw, of: i64) -> bool {
     draw.whole(1, of) == 1
 }
@@ -115,7 +115,7 @@ fn succeeds(folder: &Path, program: impl AsRef<std::ffi::OsStr>, arguments: &[&s
     assert!(output.status.success(), "{:?} {arguments:?}: {said}", program.as_ref());
 }
 
-/// Makes the design, or is refused in one line.
+/// Makes the design; a rejected one must have an error line.
 fn is_made(place: &Place, options: &Options) -> bool {
     let Options { form, bits, stride, .. } = options;
     let net = "--out net.fixed.safetensors";
@@ -198,7 +198,7 @@ fn words_of_a_bank(design: &Value) -> u64 {
     (codes * (pixels + (number(&form["layers"]) - 2) * codes) + 128 * (codes + linear)) / 4
 }
 
-/// Takes random designs of a seed through all steps, until so many were accepted.
+/// Takes random designs of a seed through all steps until N were accepted.
 fn random_designs(seed: u64, count: usize, any: bool, steps: impl Fn(usize) -> Steps + Sync) {
     let (next, accepted, refused) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(0));
     let failed = Mutex::new(vec![]);

@@ -210,7 +210,7 @@ impl Design {
             format!("{}x{}", sides.0, sides.1),
             sides.0.max(sides.1) <= MAX_SIDE && self.stages().all(is_counted),
             &format!(
-                "at most {MAX_SIDE} pixels a side, in patches of which a stage sends at most {MAX_FRAME_BEATS} beats: smaller, or of a larger stride"
+                "at most {MAX_SIDE} pixels a side, and at most {MAX_FRAME_BEATS} beats from each stage; make it smaller, or the stride larger"
             ),
         )
     }
