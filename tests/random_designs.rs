@@ -237,7 +237,7 @@ fn random_designs(seed: u64, count: usize, any: bool, steps: impl Fn(usize) -> S
 
 /// Each step, but not each for every design.
 fn shared_steps(index: usize) -> Steps {
-    let circuit = if index % 7 == 0 { 700 } else { 0 };
+    let circuit = if index.is_multiple_of(7) { 700 } else { 0 };
     Steps { core: index % 5 == 2, cosim: index % 5 == 1, circuit, newest_yosys: None }
 }
 
