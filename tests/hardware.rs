@@ -163,7 +163,7 @@ fn a_design_that_cannot_be_built_names_the_field() {
         (design(|d| d["accumulator_bits"] = 50.into()), ["accumulator_bits 50", "32 to 48"]),
         (design(|d| d["stages"] = Value::Array(vec![])), ["stages 0", "4 stages"]),
         (design(|d| d["clock_mhz"] = 0.into()), ["clock_mhz 0", "above 0"]),
-        (design(|d| d["form"]["codes"] = 15.into()), ["form.codes 15", "even"]),
+        (design(|d| d["form"]["codes"] = 15.into()), ["form.codes 15", "a multiple of 4 and at most 256"]),
         (design(|d| d["frame"]["width"] = 0.into()), ["frame 0x", "at least"]),
         (design(|d| d["color"] = 1.into()), ["bad.json", "unknown field `color`"]),
     ] {
@@ -171,6 +171,57 @@ fn a_design_that_cannot_be_built_names_the_field() {
         place.edof("estimate --design bad.json").refused(&words);
     }
     place.edof("estimate --design kc706").refused(&["design 'kc706'", "tiny, paper, kc705"]);
+}
+
+#[test]
+fn the_words_of_a_bank_are_counted_not_its_rows() {
+    let place = Place::new();
+    // 1,152 rows of 4 words each, then 2,048 of 4.
+    for (form, size, multipliers, stages) in [
+        ("edof-t4w12", "1280x720", 250, "[[12, 4], [32, 2], [32, 2], [32, 2]]"),
+        ("two-sided,w8,t2,c256", "64x64", 60, "[[4, 4], [16, 2]]"),
+    ] {
+        let line =
+            format!("design new --form {form} --size {size} --clock-mhz 100 --multipliers {multipliers}");
+        place.edof(&format!("{line} --out new.json")).done();
+        let mut design: Value =
+            serde_json::from_slice(&std::fs::read(place.path("new.json")).unwrap()).unwrap();
+        let old: Vec<[u64; 2]> = serde_json::from_str(stages).unwrap();
+        for (stage, [lanes, rows]) in design["stages"].as_array_mut().unwrap().iter_mut().zip(old) {
+            (stage["lanes"], stage["rows"]) = (lanes.into(), rows.into());
+        }
+        place.write("old.json", design.to_string());
+        for line in ["design check old.json", "cosim --design old.json", "estimate --design old.json"] {
+            place.edof(line).refused(&[
+                "old.json: stages[0].lanes ",
+                "two sets of weights in",
+                "addresses for 4096",
+            ]);
+        }
+    }
+}
+
+#[test]
+fn pictures_beyond_the_counters_of_a_circuit_are_rejected() {
+    let place = Place::new();
+    for (width, height) in [(u64::MAX - 1, 48), (16386, 48), (16384, 16384)] {
+        place.write(
+            "large.json",
+            design(|d| {
+                (d["frame"]["width"], d["frame"]["height"]) = (width.into(), height.into());
+                d["frame"]["stride"] = 2.into();
+            }),
+        );
+        for line in ["cosim --design large.json --random 1", "estimate --design large.json"] {
+            place
+                .edof(line)
+                .refused(&[&format!("frame {width}x{height}: must be at most 16384 pixels a side")]);
+        }
+    }
+    // Words of memory have 32 pixels; clocks are made of 200 MHz.
+    place.write("slow.json", design(|d| d["clock_mhz"] = 1e-300.into()));
+    place.edof("cosim --system --design slow.json --size 32x32").refused(&["clock_mhz"]);
+    place.edof("cosim --system --design tiny --size 30x22").refused(&["a multiple of 32 pixels"]);
 }
 
 /// A design of 1280x720, or so, and of that clock.
@@ -279,6 +330,30 @@ fn co_simulation_finds_a_fault_in_the_files_of_a_folder() {
     let waveform = ["fst", "vcd"].map(|ending| place.path(&format!("fault.{ending}")));
     let bytes = waveform.iter().filter_map(|file| std::fs::metadata(file).ok()).map(|file| file.len());
     assert!(bytes.sum::<u64>() > 1_000);
+}
+
+#[test]
+fn co_simulation_loads_both_banks() {
+    let place = Place::new();
+    place.edof("random-network --design tiny --out drawn.fixed.safetensors").done();
+    place.edof("generate --design tiny --weights drawn.fixed.safetensors --out built").done();
+    let line = "cosim --design tiny --weights drawn.fixed.safetensors --random 20 --rtl built/rtl --waveform fault --force";
+    let out = place.edof(line).done().out;
+    assert!(out.contains("tiny: both banks loaded with ") && out.contains(" patches, "), "{out}");
+
+    // The upper half of each bank's rows is not reached by words of the host: set 1 is that of the images for ever.
+    let file = place.path("built/rtl/edof_macc_bank.v");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let (from, to) =
+        ("= write_address_i[PART_BITS +: BITS];", "= {1'b0, write_address_i[PART_BITS +: BITS-1]};");
+    assert_eq!(text.matches(from).count(), 1, "{text}");
+    std::fs::write(&file, text.replace(from, to)).unwrap();
+    let run = place.edof(line);
+    let told = run.err.lines().last().unwrap();
+    assert!(run.code == Some(1) && told.contains("after both banks were loaded: stage I"), "{told}");
+    assert!(run.out.contains("20 patches") && !run.out.contains("both banks loaded"), "{}", run.out);
+    let waveform = ["fst", "vcd"].map(|ending| place.path(&format!("fault.{ending}")));
+    assert!(waveform.iter().any(|file| file.is_file()));
 }
 
 #[test]

@@ -25,6 +25,7 @@ mod playout;
 mod process_limit;
 mod prose;
 mod provenance;
+mod random_designs;
 mod saturations;
 mod sizes;
 mod soak;

@@ -3,6 +3,8 @@
 use edof_camera::Camera;
 use edof_camera::psf_bank::Kernels;
 use edof_device::Design;
+use edof_device::design::memory::{self, Set, Space};
+use edof_golden::cycle::estimate::estimate;
 use edof_image::CfaPhase;
 use edof_io::dng::Overrides;
 use edof_io::packing::{ByteOrder, Packing};
@@ -42,10 +44,22 @@ pub fn weights(bytes: &[u8]) {
 pub fn design(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     if let Ok(design) = Design::from_json(text) {
-        let _ = design.patches_per_frame();
+        let _ = edof_device::board::check(&design);
+        assert!(estimate(&design, None).cycles_per_patch >= 1.0, "a patch takes cycles");
         for stage in design.stages() {
             let _ = stage.drain_latency();
-            let _ = edof_device::design::memory::rows_of_a_set(&stage);
+            // Every row of both sets has an address, and is known by it.
+            for (space, rows) in memory::rows_of_a_set(&stage).into_iter().enumerate() {
+                let (row, half) = (2 * rows - 1, 1);
+                let last = match space {
+                    0 => Space::Weights { bank: stage.banks() - 1, row, half },
+                    1 => Space::Thresholds { row },
+                    2 => Space::PreviousThresholds { row },
+                    _ => Space::Register { row },
+                };
+                let address = memory::address(stage.index, last);
+                assert_eq!(memory::set_of(&design, address), Some(Set::Second), "{address:#x}");
+            }
         }
     }
 }

@@ -60,7 +60,11 @@ pub const FILES: &[Row] = &[
     ("compare small.png small.png", "", &["small.png, small.png: frame of 8x8 pixels", "smaller --border"]),
     ("compare photo.png raw.png", "", &["photo.png, raw.png: frames of 288x256 and 48x32 pixels"]),
     ("estimate", "--design d-clock.json", &["d-clock.json: clock_mhz 1e99: must be above 0, at most 400"]),
-    ("estimate", "--design d-codes.json", &["d-codes.json: form.codes 17: must be even and at most 256"]),
+    (
+        "estimate",
+        "--design d-codes.json",
+        &["d-codes.json: form.codes 17: must be a multiple of 4 and at most 256"],
+    ),
     ("estimate", "--design d-stages.json", &["d-stages.json: stages 4: must be 5 stages, one a layer"]),
     (
         "estimate",

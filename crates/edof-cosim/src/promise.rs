@@ -36,7 +36,6 @@ impl Promise {
     /// Frames or a clock that no board of ours has.
     pub fn of(design: &Design) -> Result<Self, DesignError> {
         board::check(design)?;
-        board::clocks(design)?;
         let estimated = Estimated::new(design, None);
         let Estimated { ahead, board, total: resources, .. } = &estimated;
         let mode = VideoTiming::mode(design.frame);

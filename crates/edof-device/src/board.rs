@@ -136,7 +136,7 @@ pub fn patience(timing: VideoTiming) -> u32 {
 }
 
 /// # Errors
-/// [`DesignError::Field`] for a frame that the buffers cannot hold.
+/// [`DesignError::Field`] for a frame that the buffers cannot hold, or as [`clocks`].
 pub fn check(design: &Design) -> Result<(), DesignError> {
     let pixels = design.frame.width * design.frame.height;
     let field = |expected: String| DesignError::Field {
@@ -152,7 +152,7 @@ pub fn check(design: &Design) -> Result<(), DesignError> {
     if 2 * pixels > BUFFER_BYTES as usize {
         return Err(field(format!("at most {} pixels, which a buffer holds", BUFFER_BYTES / 2)));
     }
-    Ok(())
+    clocks(design).map(drop)
 }
 
 #[cfg(test)]

@@ -6,11 +6,12 @@ use crate::error::Error;
 use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::lens::Depth;
-use crate::memory;
+use crate::memory as machine;
 use crate::ui::Ui;
 use crate::weights;
 use crate::windows::Shot;
-use edof_cosim::chain::device::Inputs;
+use edof_cosim::chain::check::Difference;
+use edof_cosim::chain::device::{Device, Inputs};
 use edof_cosim::chain::folder::with_verilog_of;
 use edof_cosim::chain::second::{Recorded, icarus};
 use edof_cosim::chain::verilated::Compiled;
@@ -18,7 +19,7 @@ use edof_cosim::chain::{Drive, Outcome};
 use edof_cosim::junit;
 use edof_cosim::verilator::{Options, Waveform};
 use edof_device::Design;
-use edof_device::design::memory::Set;
+use edof_device::design::memory::{self, Set};
 use edof_golden::cycle::{Cycle, Patch, Stalls};
 use edof_hdl::project::{self, Project};
 use edof_image::Noise;
@@ -31,6 +32,8 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+/// Random windows that run through both sets after they were loaded.
+const WINDOWS_OF_A_LOAD: usize = 16;
 /// Memory of a patch besides its window: what is recorded of its cycles, for the second simulator.
 const BYTES_A_PATCH: usize = 200 * size_of::<Inputs>();
 /// Cycles that the waveform shows before a difference.
@@ -39,8 +42,9 @@ const WAVEFORM_CYCLES: u64 = 300;
 /// Run the generated Verilog in Verilator and compare every word and cycle with the model
 ///
 /// Patches are windows of a picture taken by the network's camera, or random windows with extreme values. Registers and
-/// memories start with random contents. Every stage boundary is compared in every cycle, and the counters at the end. The first
-/// difference ends the run with exit status 1; a waveform shows it.
+/// memories start with random contents. Every stage boundary is compared in every cycle, and the counters at the end. Then both banks
+/// are loaded, word by word, with two random networks, and random windows run through both. The first difference ends the run with
+/// exit status 1; a waveform shows it.
 ///
 /// With --system the whole core runs, from the receiver's pins to the transmitter's, with four drifting clocks and a late
 /// memory. Every picture on the screen must equal that of edof reconstruct --board, bit for bit.
@@ -158,29 +162,27 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         let how = cosim_system::Run { seed: args.seed, icarus: args.icarus, rtl: args.rtl.as_deref() };
         return cosim_system::run(&args.system, &design, network, &raw, &how, ui);
     }
-    let trial =
-        Trial { patches: patches(&args, &design, &network, ui)?, design, network, drive: drive(&args)? };
-    if trial.patches.is_empty() {
+    let patches = patches(&args, &design, &network, ui)?;
+    if patches.is_empty() {
         let option = if args.random == Some(0) { "random" } else { "patches" };
         return Err(Error::message(format!("--{option} 0: must be 1 or more, or nothing is compared")));
     }
-    let project = project::calculator(&trial.design, [&trial.network, &trial.network])?;
+    let project = project::calculator(&design, [&network, &network])?;
+    let generated = Run { networks: [network.clone(), network], patches, drive: drive(&args)? };
+    let trial = Trial { runs: [generated, Run::loaded(&design, args.seed)], design };
     let project = match &args.rtl {
         Some(folder) => with_verilog_of(project, folder).map_err(|e| Error::message(format!("--rtl {e}")))?,
         None => project,
     };
-    let outcome = trial.run(&project, &args, ui)?;
+    let outcomes = trial.run(&project, &args, ui)?;
     let seconds = start.elapsed().as_secs_f64();
-    tell(&args, &trial.design, &outcome, seconds, ui)?;
-    match &outcome.difference {
-        None => Ok(()),
-        Some(difference) => {
-            let waveform = trial.waveform(&project, &args, &outcome)?;
-            let driver = difference.driver(&project, trial.design.stages.len());
-            let driver = driver.map_or(String::new(), |place| format!("; driven at {place}"));
-            Err(Error::message(format!("{difference}{driver}; waveform {}", waveform.display())))
-        }
-    }
+    tell(&args, &trial, &outcomes, seconds, ui)?;
+    let Some(difference) = first_difference(&outcomes) else { return Ok(()) };
+    let waveform = trial.waveform(&project, &args, &outcomes)?;
+    let driver = difference.driver(&project, trial.design.stages.len());
+    let driver = driver.map_or(String::new(), |place| format!("; driven at {place}"));
+    let when = if outcomes.len() > 1 { "after both banks were loaded: " } else { "" };
+    Err(Error::message(format!("{when}{difference}{driver}; waveform {}", waveform.display())))
 }
 
 fn drive(args: &Args) -> Result<Drive, Error> {
@@ -196,7 +198,7 @@ fn patches(args: &Args, design: &Design, network: &FixedNetwork, ui: &Ui) -> Res
     let draw = &mut Draw::new(args.seed);
     if let Some(count) = args.random {
         let bytes = BYTES_A_PATCH + size_of::<i16>() * design.form.window.pixels();
-        memory::check(&format!("--random {count}"), count as f64 * bytes as f64)?;
+        machine::check(&format!("--random {count}"), count as f64 * bytes as f64)?;
         let pixels = design.form.window.pixels();
         let patch = |_| Patch {
             set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },
@@ -235,65 +237,120 @@ fn waveform_file(args: &Args, waveform: Waveform) -> PathBuf {
     args.waveform.with_extension(waveform.extension())
 }
 
-/// What is run.
-struct Trial {
-    design: Design,
-    network: FixedNetwork,
+/// Networks in both sets, and patches through them.
+struct Run {
+    networks: [FixedNetwork; 2],
     patches: Vec<Patch>,
     drive: Drive,
 }
 
-impl Trial {
-    fn model(&self) -> Result<Cycle, Error> {
-        Ok(Cycle::new(&self.design, [&self.network, &self.network])?)
+impl Run {
+    /// Two random networks, written to both sets after whatever ran before, and windows through each by turns. Nothing is skipped, so that
+    /// every word of the memories is multiplied.
+    fn loaded(design: &Design, seed: u64) -> Self {
+        let networks = [1, 2].map(|more| edof_random::for_design(design, seed.wrapping_add(more)));
+        let sets = [Set::First, Set::Second];
+        let words = |(set, network): (Set, &FixedNetwork)| memory::writes(design, network, set);
+        let writes = sets.into_iter().zip(&networks).flat_map(words).collect();
+        let draw = &mut Draw::new(seed);
+        let pixels = design.form.window.pixels();
+        let patch = |i: usize| Patch { set: sets[i % 2], window: edof_random::extreme_window(draw, pixels) };
+        let patches = (0..WINDOWS_OF_A_LOAD).map(patch).collect();
+        let drive = Drive { flush: true, skip_zeros: Some(false), writes, ..Drive::default() };
+        Self { networks, patches, drive }
     }
 
-    fn run(&self, project: &Project, args: &Args, ui: &Ui) -> Result<Outcome, Error> {
+    /// Runs the patches and compares every boundary in every cycle.
+    fn through(&self, design: &Design, device: &mut impl Device, ui: Option<&Ui>) -> Result<Outcome, Error> {
+        let [first, second] = &self.networks;
+        let model = Cycle::new(design, [first, second])?;
+        let bar = ui.map(|ui| ui.progress(self.patches.len() as u64, "patches compared"));
+        let patches = self.patches.iter().take_while(|_| interrupt::check().is_ok()).cloned();
+        let outcome = self.drive.run(model, patches, device, &mut |done| {
+            if let Some(bar) = &bar {
+                bar.set(done);
+            }
+        })?;
+        drop(bar);
+        interrupt::check()?;
+        Ok(outcome)
+    }
+}
+
+/// What is run on one circuit: the network that its memories start with, then two that are loaded.
+struct Trial {
+    design: Design,
+    runs: [Run; 2],
+}
+
+/// The difference that ended the last of some runs.
+fn first_difference(outcomes: &[Outcome]) -> Option<&Difference> {
+    outcomes.last().and_then(|outcome| outcome.difference.as_ref())
+}
+
+impl Trial {
+    /// The outcomes of all runs up to the first with a difference.
+    fn run(&self, project: &Project, args: &Args, ui: &Ui) -> Result<Vec<Outcome>, Error> {
         let options = Options { cache: Options::user_cache(), ..Options::default() };
         ui.note(format!("compiling {} modules with Verilator", project.verilog.len()));
         let compiled = Compiled::new(project, self.design.stages.len(), &options)?;
         interrupt::check()?;
         let mut device = Recorded::new(compiled.start(args.seed)?);
-        let bar = ui.progress(self.patches.len() as u64, "patches compared");
-        let patches = self.patches.iter().take_while(|_| interrupt::check().is_ok()).cloned();
-        let outcome = self.drive.run(self.model()?, patches, &mut device, &mut |done| bar.set(done))?;
-        drop(bar);
-        interrupt::check()?;
-        if args.icarus && outcome.difference.is_none() {
+        let [generated, loaded] = &self.runs;
+        let mut outcomes = vec![generated.through(&self.design, &mut device, Some(ui))?];
+        if args.icarus && first_difference(&outcomes).is_none() {
             ui.note("running the same inputs in Icarus");
             if let Some(difference) = icarus(project, &compiled, device.inputs(), args.seed)? {
                 return Err(Error::message(format!("Icarus differs from Verilator: {difference}")));
             }
         }
-        Ok(outcome)
+        if first_difference(&outcomes).is_none() {
+            ui.note("loading both banks, word by word");
+            outcomes.push(loaded.through(&self.design, &mut device, Some(ui))?);
+        }
+        Ok(outcomes)
     }
 
     /// Runs once more, with the last cycles before the difference in a waveform.
-    fn waveform(&self, project: &Project, args: &Args, outcome: &Outcome) -> Result<PathBuf, Error> {
+    fn waveform(&self, project: &Project, args: &Args, outcomes: &[Outcome]) -> Result<PathBuf, Error> {
         let waveform = Waveform::best();
         let path = waveform_file(args, waveform);
         let options = Options { waveform, cache: Options::user_cache(), ..Options::default() };
-        let mut device = Compiled::new(project, self.design.stages.len(), &options)?.start(args.seed)?;
-        let end = outcome.lead + outcome.cycles;
-        device.model().trace_window(&path, end.saturating_sub(WAVEFORM_CYCLES), end + 1)?;
-        self.drive.run(self.model()?, self.patches.iter().cloned(), &mut device, &mut |_| ())?;
+        let mut device =
+            Recorded::new(Compiled::new(project, self.design.stages.len(), &options)?.start(args.seed)?);
+        for (run, outcome) in self.runs.iter().zip(outcomes) {
+            if outcome.difference.is_some() {
+                let end = device.inputs().len() as u64 + outcome.lead + outcome.cycles;
+                device.device().model().trace_window(&path, end.saturating_sub(WAVEFORM_CYCLES), end + 1)?;
+            }
+            run.through(&self.design, &mut device, None)?;
+        }
         Ok(path)
     }
 }
 
-fn tell(args: &Args, design: &Design, outcome: &Outcome, seconds: f64, ui: &Ui) -> Result<(), Error> {
-    let summary = &outcome.summary;
+fn tell(args: &Args, trial: &Trial, outcomes: &[Outcome], seconds: f64, ui: &Ui) -> Result<(), Error> {
+    let Some(outcome) = outcomes.first() else { return Ok(()) };
+    let (design, summary) = (&trial.design, &outcome.summary);
     let boundaries = design.stages.len() + 1;
-    let differences = usize::from(outcome.difference.is_some());
+    let difference = first_difference(outcomes);
     let patches = summary.counts.patches;
-    if differences == 0 {
+    if outcome.difference.is_none() {
         ui.say(format!(
             "{}: {patches} patches, {} beats at {boundaries} boundaries, {} cycles: no difference; {:.1} cycles per patch, at most {}",
             design.name, outcome.beats, outcome.cycles, summary.cycles_per_patch(), summary.max_cycles
         ))?;
     }
+    let words = trial.runs[1].drive.writes.len();
+    let loaded = outcomes.get(1).map(|outcome| (outcome.summary.counts.patches, outcome));
+    if let Some((patches, Outcome { difference: None, beats, .. })) = loaded {
+        ui.say(format!(
+            "{}: both banks loaded with {words} words; {patches} patches, {beats} beats: no difference",
+            design.name
+        ))?;
+    }
     if let Some(path) = &args.junit {
-        write_junit(path, design, outcome, seconds)?;
+        write_junit(path, design, difference, seconds)?;
     }
     ui.json(&json!({
         "design": design.name,
@@ -301,8 +358,9 @@ fn tell(args: &Args, design: &Design, outcome: &Outcome, seconds: f64, ui: &Ui) 
         "patches": patches,
         "boundaries": boundaries,
         "beats": outcome.beats,
-        "differences": differences,
-        "first_difference": outcome.difference,
+        "differences": usize::from(difference.is_some()),
+        "first_difference": difference,
+        "loaded": loaded.map(|(patches, outcome)| json!({ "words": words, "patches": patches, "beats": outcome.beats })),
         "cycles": outcome.cycles,
         "cycles_per_patch": { "mean": summary.cycles_per_patch(), "max": summary.max_cycles },
         "stalls": args.stalls,
@@ -312,8 +370,13 @@ fn tell(args: &Args, design: &Design, outcome: &Outcome, seconds: f64, ui: &Ui) 
     }))
 }
 
-fn write_junit(path: &Path, design: &Design, outcome: &Outcome, seconds: f64) -> Result<(), Error> {
-    let failure = outcome.difference.as_ref().map(ToString::to_string);
+fn write_junit(
+    path: &Path,
+    design: &Design,
+    difference: Option<&Difference>,
+    seconds: f64,
+) -> Result<(), Error> {
+    let failure = difference.map(ToString::to_string);
     // No count: a name that changes with the options has no history in a CI.
     let name = "every word at every boundary, and every cycle".to_owned();
     let cases = vec![junit::Case { name, seconds, failure }];

@@ -20,6 +20,11 @@ impl<D: Device> Recorded<D> {
         Self { device, inputs: Vec::new() }
     }
 
+    /// The device.
+    pub const fn device(&mut self) -> &mut D {
+        &mut self.device
+    }
+
     /// What it was given in every cycle.
     #[must_use]
     pub fn inputs(&self) -> &[Inputs] {

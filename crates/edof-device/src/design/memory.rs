@@ -64,6 +64,9 @@ pub const SNAPSHOT_REGISTERS: usize = WHOLE_CHAIN << 2 | 3;
 /// Bits of [`address`]: stage, space, bank, row, half.
 pub const ADDRESS_BITS: [u32; 5] = [4, 2, 6, 12, 1];
 
+/// Most words of a bank, both sets: [`ADDRESS_BITS`] and a command to read ([`super::reading::read_command`]) number them in 12 bits.
+pub const MAX_BANK_WORDS: usize = 1 << ADDRESS_BITS[3];
+
 /// The write address of a word of stage `stage`.
 #[must_use]
 pub const fn address(stage: usize, space: Space) -> u32 {
@@ -79,7 +82,7 @@ pub const fn address(stage: usize, space: Space) -> u32 {
 /// Rows of a set in each space of a stage: those of set 0 come first, then those of set 1.
 #[must_use]
 pub fn rows_of_a_set(stage: &StagePlan) -> [usize; 4] {
-    [stage.weight_rows() << row_bits(stage), stage.beats_out(), stage.beats_out(), 1]
+    [stage.bank_words() / 2, stage.beats_out(), stage.beats_out(), 1]
 }
 
 /// The set that a word belongs to, by the address at which the host writes it; none where it belongs to no set or lies in no stage.
@@ -233,7 +236,47 @@ pub fn threshold_image(stage: &StagePlan, before: bool) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::StageSize;
     use super::*;
+
+    /// A design whose I has the given window, codes, lanes and rows.
+    fn dense(window: usize, codes: usize, lanes: usize, rows: usize) -> Design {
+        let mut design = Design::from_json(include_str!("../../../../designs/tiny.json")).unwrap();
+        design.form.window = edof_image::Window::new(window).unwrap();
+        (design.form.codes, design.form.layers) = (codes, 2);
+        design.stages = [(lanes, rows), (64, 2)].map(|(lanes, rows)| StageSize { lanes, rows }).into();
+        design
+    }
+
+    #[test]
+    fn a_bank_has_at_most_as_many_words_as_addresses() {
+        // Outputs / lanes x inputs x 2 sets; with three rows each fourth number has no word.
+        for (window, codes, lanes, rows, words) in [
+            (8, 256, 8, 4, 4096),
+            (8, 256, 4, 4, 8192),
+            (12, 192, 12, 4, 4608),
+            (12, 192, 16, 4, 3456),
+            (12, 192, 16, 3, 4608),
+            (12, 192, 24, 3, 3072),
+            (16, 256, 32, 1, 4096),
+            (16, 256, 16, 1, 8192),
+        ] {
+            let design = dense(window, codes, lanes, rows);
+            let stage = design.stage(0);
+            assert_eq!(stage.bank_words(), words);
+            assert_eq!(design.check().is_ok(), words <= 4096, "{words} words");
+            if words > 4096 {
+                let expected = format!(
+                    "stages[0].lanes {lanes}: must be more: four lanes have two sets of weights in {words} words with {rows} rows, \
+                     and addresses for 4096"
+                );
+                assert_eq!(design.check().unwrap_err().to_string(), expected);
+            } else {
+                let last = Space::Weights { bank: stage.banks() - 1, row: words - 1, half: 1 };
+                assert_eq!(set_of(&design, address(0, last)), Some(Set::Second));
+            }
+        }
+    }
 
     #[test]
     fn every_word_of_a_set_is_known_as_one_of_it() {

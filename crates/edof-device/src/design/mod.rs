@@ -29,6 +29,15 @@ pub const BEAT: usize = 2;
 /// Largest left shift of a value before it is multiplied: the multiplier of a DSP48E1 takes 25 bits, a value has 16.
 pub const MAX_VALUE_SHIFT: u32 = 9;
 
+/// Longest sparse code: a stage's store has room for 256 values of each vector.
+const MAX_CODES: usize = 256;
+
+/// Most pixels along a side of a picture; a board has fewer ([`crate::board::check`]).
+const MAX_SIDE: usize = 1 << 14;
+
+/// Most beats that a stage sends of a picture: a counter of 28 bits marks the end of each.
+pub const MAX_FRAME_BEATS: usize = 1 << 28;
+
 /// Most bytes of a design file.
 const MAX_BYTES: u64 = 1 << 20;
 
@@ -173,8 +182,8 @@ impl Design {
         require(
             "form.codes",
             self.form.codes,
-            self.form.codes.is_multiple_of(BEAT) && self.form.codes <= 256,
-            "even and at most 256",
+            self.form.codes.is_multiple_of(BANK_LANES) && self.form.codes <= MAX_CODES,
+            &format!("a multiple of {BANK_LANES} and at most {MAX_CODES}"),
         )?;
         require("code_bits", self.code_bits, (8..=16).contains(&self.code_bits), "8 to 16")?;
         let sums = 32..=ACCUMULATOR_BITS;
@@ -193,7 +202,17 @@ impl Design {
         )?;
         Geometry::new(self.form.window, self.frame.stride)
             .check_frame((self.frame.height, self.frame.width))?;
-        self.stages().try_for_each(|stage| stage.check())
+        self.stages().try_for_each(|stage| stage.check())?;
+        let sides = (self.frame.width, self.frame.height);
+        let is_counted = |stage: StagePlan| self.patches_per_frame() * stage.beats_out() <= MAX_FRAME_BEATS;
+        require(
+            "frame",
+            format!("{}x{}", sides.0, sides.1),
+            sides.0.max(sides.1) <= MAX_SIDE && self.stages().all(is_counted),
+            &format!(
+                "at most {MAX_SIDE} pixels a side, and at most {MAX_FRAME_BEATS} beats from each stage; make it smaller, or the stride larger"
+            ),
+        )
     }
 
     /// # Errors

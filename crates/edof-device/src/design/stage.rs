@@ -1,5 +1,6 @@
 //! One stage of a design: every size that its memories, ports and counters have.
 
+use super::memory::{MAX_BANK_WORDS, row_bits};
 use super::timing::DRAIN_LATENCY;
 use super::{BANK_LANES, BEAT, Design, DesignError, require};
 use edof_image::colour::OUTPUTS_422;
@@ -155,6 +156,13 @@ impl StagePlan {
         2 * self.weight_rows()
     }
 
+    /// Numbers that the words of one block of weight memory take in the host's addresses: two sets. Where a row has three words, a
+    /// fourth number has none.
+    #[must_use]
+    pub fn bank_words(&self) -> usize {
+        self.weight_depth() << row_bits(self)
+    }
+
     /// Beats in which a vector comes in.
     #[must_use]
     pub const fn beats_in(&self) -> usize {
@@ -207,12 +215,15 @@ impl StagePlan {
         } else {
             require(&field("rows"), self.rows, self.rows == 1 || self.rows == 2, "1 or 2")?;
         }
-        let depth = self.weight_depth();
+        let words = self.bank_words();
         require(
             &field("lanes"),
             lanes,
-            depth <= 4096,
-            &format!("large enough for 4096 rows of weights, not {depth}"),
+            words <= MAX_BANK_WORDS,
+            &format!(
+                "more: four lanes have two sets of weights in {words} words with {} rows, and addresses for {MAX_BANK_WORDS}",
+                self.rows
+            ),
         )
     }
 }

@@ -3,6 +3,7 @@
 use super::crc::Crc;
 use super::delay::Delay;
 use crate::describe::{Circuit, kernel};
+use edof_device::design::MAX_FRAME_BEATS;
 use rust_hdl::prelude::*;
 
 /// The CRC (`edof_device::crc`) of every frame of beats that passes a boundary, and how many frames there were. It only looks: nothing waits for it.
@@ -48,6 +49,7 @@ impl<const W: usize> FrameCheck<W> {
     /// A check of frames with the given number of beats, two or more.
     #[must_use]
     pub fn new(beats: usize) -> Self {
+        const { assert!(MAX_FRAME_BEATS == 1 << 28, "the beats that remain are counted in 28 bits") };
         Self::from_parts(FrameCheckParts { last_beat: Constant::new((beats as u64 - 1).into()) })
     }
 }
