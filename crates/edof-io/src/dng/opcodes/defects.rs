@@ -82,7 +82,7 @@ impl Defects {
     /// Whether a pixel of the image is green.
     const fn is_green(&self, row: usize, column: usize) -> bool {
         let first_is_green = self.phase == 1 || self.phase == 2;
-        ((row + column) % 2 == 0) == first_is_green
+        (row + column).is_multiple_of(2) == first_is_green
     }
 
     /// Repairs a mosaic in place, from good pixels alone, whatever the order of the list.
