@@ -2,13 +2,13 @@
 //!
 //! | step | module |
 //! |---|---|
-//! | directories and their numbers | [`directory`], [`tags`] |
-//! | which directory has the raw frame | [`frame_directory`] |
-//! | stored pixels | [`pixels`], [`lossless_jpeg`] |
-//! | defects, tables, gains, lens | [`opcodes`] |
-//! | from stored values to light | [`light`] |
-//! | white balance and colour matrix | [`colour`] |
-//! | crop and orientation of the picture | [`layout`] |
+//! | directories and their numbers | `directory`, `tags` |
+//! | which directory has the raw frame | `frame_directory` |
+//! | stored pixels | `pixels`, `lossless_jpeg` |
+//! | defects, tables, gains, lens | `opcodes` |
+//! | from stored values to light | `light` |
+//! | white balance and colour matrix | `colour` |
+//! | crop and orientation of the picture | `layout` |
 //!
 //! `docs/dng.md` has a row for each tag of Adobe's "Digital Negative (DNG) Specification" up to version 1.7.1: what is done, or why nothing
 //! is. What would change the picture and is not done is refused by name.

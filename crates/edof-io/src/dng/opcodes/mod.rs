@@ -3,10 +3,10 @@
 //!
 //! | opcode | module | lists |
 //! |---|---|---|
-//! | FixBadPixelsConstant, FixBadPixelsList | [`defects`] | 1, 2 |
-//! | MapTable, MapPolynomial, GainMap, DeltaPerRow, DeltaPerColumn, ScalePerRow, ScalePerColumn | [`pointwise`] | 1, 2, 3 |
-//! | FixVignetteRadial | [`lens`] | 2, 3 |
-//! | WarpRectilinear, WarpFisheye | [`lens`] | 3 |
+//! | FixBadPixelsConstant, FixBadPixelsList | `defects` | 1, 2 |
+//! | MapTable, MapPolynomial, GainMap, DeltaPerRow, DeltaPerColumn, ScalePerRow, ScalePerColumn | `pointwise` | 1, 2, 3 |
+//! | FixVignetteRadial | `lens` | 2, 3 |
+//! | WarpRectilinear, WarpFisheye | `lens` | 3 |
 //!
 //! Another opcode is left out with a note if its flag calls it optional, else the file is refused.
 
