@@ -181,7 +181,7 @@ impl Opcodes {
     ///
     /// # Errors
     /// [`Refusal`] naming the list.
-    pub fn check(&self, list: List, (height, width): (usize, usize)) -> Result<(), Refusal> {
+    pub(super) fn check(&self, list: List, (height, width): (usize, usize)) -> Result<(), Refusal> {
         let whole = [0, 0, height as u32, width as u32];
         let trims = |opcode: &Opcode| matches!(opcode, Opcode::Trim(area) if *area != whole);
         if self.all.iter().any(trims) {
@@ -192,7 +192,7 @@ impl Opcodes {
     }
 
     /// Corrects a mosaic in place.
-    pub fn correct_mosaic(&self, mosaic: &mut Array2<f32>) {
+    pub(super) fn correct_mosaic(&self, mosaic: &mut Array2<f32>) {
         for opcode in &self.all {
             match opcode {
                 Opcode::Defects(defects) => defects.repair(mosaic, self.units),
