@@ -265,7 +265,7 @@ fn fifty(seed: u64) {
     random_designs(seed, 50, true, |_| Steps {
         core: true,
         cosim: true,
-        circuit: 6000,
+        circuit: 3000,
         newest_yosys: newest_yosys(),
     });
 }
@@ -281,17 +281,17 @@ macro_rules! fifties {
 }
 
 fifties! {
-    #[ignore = "half an hour: scripts/soak.sh"]
+    #[ignore = "an hour: scripts/soak.sh"]
     fifty_of_seed_101: 101;
-    #[ignore = "half an hour: scripts/soak.sh"]
+    #[ignore = "an hour: scripts/soak.sh"]
     fifty_of_seed_102: 102;
-    #[ignore = "half an hour: scripts/soak.sh"]
+    #[ignore = "an hour: scripts/soak.sh"]
     fifty_of_seed_103: 103;
-    #[ignore = "half an hour: scripts/soak.sh"]
+    #[ignore = "an hour: scripts/soak.sh"]
     fifty_of_seed_104: 104;
-    #[ignore = "half an hour: scripts/soak.sh"]
+    #[ignore = "an hour: scripts/soak.sh"]
     fifty_of_seed_105: 105;
-    #[ignore = "half an hour: scripts/soak.sh"]
+    #[ignore = "an hour: scripts/soak.sh"]
     fifty_of_seed_106: 106;
 }
 
