@@ -109,10 +109,10 @@ proc first {option name {otherwise ""}} {
 # A message names the file and line that caused it, if any: `place`.
 set place ""
 proc message {id severity text} {
-    global rules counted place
+    global message_rules counted place
     if {$place ne ""} { append text " \[$place\]" }
     set applied {}
-    foreach rule $rules {
+    foreach rule $message_rules {
         lassign $rule of_id of_severity strings new
         if {$of_id ni [list "" $id] || $of_severity ni [list "" $severity]} { continue }
         if {[llength [lsearch -all -inline -not -exact [lmap string $strings { string first $string $text }] -1]] == [llength $strings]} { lappend applied $new }
@@ -126,10 +126,10 @@ proc message {id severity text} {
     if {$severity eq "ERROR"} { error "\[$id\] $text" }
 }
 proc do_set_msg_config {option words} {
-    global rules
+    global message_rules
     set new [first $option -new_severity]
     if {$new ni {ERROR "CRITICAL WARNING" WARNING INFO STATUS}} { error "set_msg_config: -new_severity '$new'" }
-    lappend rules [list [first $option -id] [first $option -severity] [first $option -string] $new]
+    lappend message_rules [list [first $option -id] [first $option -severity] [first $option -string] $new]
 }
 proc do_get_msg_config {option words} {
     global counted
@@ -521,7 +521,6 @@ proc do_check_timing {option words} {
     foreach {register clock} [array get clock_of] { if {![has_clock $clock]} { lappend unclocked $register/C } }
     foreach {kind ports end} [list input $read_ports 0 output $driven_ports 1] {
         foreach list {none free partial forwarded} { set $list {} }
-        foreach list {none free partial forwarded} { set $list {} }
         foreach port [lsort $ports] {
             set ends [expr {[info exists delayed($port,-min)] + [info exists delayed($port,-max)]}]
             set is_free [expr {[lsearch -exact [concat {*}[lmap exception $excepted { lindex $exception $end }]] $port] >= 0}]
@@ -590,5 +589,5 @@ proc do_report_bus_skew {option words} {
     return [reported $option "$text\n\n2. Bus Skew Report Per Constraint\n---------------------------------\n"]
 }
 
-foreach list {rules crossings excepted skews waiting sources read_ports driven_ports placed_by_controller done} { set $list {} }
+foreach list {message_rules crossings excepted skews waiting sources read_ports driven_ports placed_by_controller done} { set $list {} }
 foreach table {port_of clocks module_of pad_of property inside clock_of delayed} { array set $table {} }

@@ -76,7 +76,7 @@ fn stub() -> PathBuf {
 }
 
 #[test]
-fn the_build_script_gets_to_its_end_and_does_so_again() {
+fn the_build_script_gets_to_its_end_and_does_so_again_with_reports_of_another_form() {
     let design = Design::tiny();
     for form in ["older", "newer"] {
         let (output, commands) = design.build_with("", form);
