@@ -1,7 +1,9 @@
 # Vivado's commands as far as build.tcl and the constraints use them, for tclsh. Each knows its arguments (UG835), and the objects of the
 # netlist that the file NETLIST describes; messages have Vivado's severities, and set_msg_config changes them. Anything else is an unknown
-# command, and an error. Every command is written down in the file COMMANDS. FAULT is something that a report shall say: slack, pulse_width,
-# cdc, methodology, bus_skew, critical, pad.
+# command, and an error. Every command is written down in the file COMMANDS. Reports have the form that Vivado prints: check_timing and
+# report_bus_skew of the netlist, the others as in the folder REPORTS. FORM is the form that is taken of each, older or newer. FAULT is what
+# goes wrong: slack, critical, pad, or a report that then has a violation: utilization, clock_interaction, bus_skew, pulse_width, cdc,
+# methodology, drc.
 #
 # NETLIST is made of: `port NAME DIRECTION`; `cell NAME MODULE`; `pin NAME`; `register NAME CLOCK`, CLOCK a port or pin; `derived PIN CLOCK`;
 # `crossing REGISTER PIN`: a way from one clock to another; `input PORT`, `output PORT`: with a register behind; `pad REGISTER PORT`: one that asks
@@ -42,7 +44,6 @@ array set takes {
     report_pulse_width {{-warn_on_violation -return_string -no_header -all_violators} {-file -name} 0 1}
     report_cdc {{-details -summary -return_string -no_header} {-file -severity -from -to -cells} 0 0}
     report_methodology {{-return_string} {-file -name -checks -cells} 0 0}
-    get_methodology_violations {{-regexp} {-name -filter} 0 1}
     check_timing {{-return_string -no_header -verbose} {-file -cells} 0 0}
     get_timing_paths {{-setup -hold} {-max_paths -delay_type -from -to -nworst} 0 0}
     get_drc_checks {{} {} 0 1}
@@ -105,19 +106,30 @@ proc first {option name {otherwise ""}} {
 
 # Messages.
 
+# A message names the file and line that caused it, if any: `place`.
+set place ""
 proc message {id severity text} {
-    global severity_of counted
-    if {[info exists severity_of($id)]} { set severity $severity_of($id) }
+    global message_rules counted place
+    if {$place ne ""} { append text " \[$place\]" }
+    set applied {}
+    foreach rule $message_rules {
+        lassign $rule of_id of_severity strings new
+        if {$of_id ni [list "" $id] || $of_severity ni [list "" $severity]} { continue }
+        if {[llength [lsearch -all -inline -not -exact [lmap string $strings { string first $string $text }] -1]] == [llength $strings]} { lappend applied $new }
+    }
+    # Which of two rules wins is nowhere documented.
+    if {[llength $applied] > 1} { error "two rules of set_msg_config for \[$id\] $text" }
+    if {[llength $applied] == 1} { set severity [lindex $applied 0] }
     incr counted($severity)
     incr counted($id)
     puts "$severity: \[$id\] $text"
     if {$severity eq "ERROR"} { error "\[$id\] $text" }
 }
 proc do_set_msg_config {option words} {
-    global severity_of
+    global message_rules
     set new [first $option -new_severity]
     if {$new ni {ERROR "CRITICAL WARNING" WARNING INFO STATUS}} { error "set_msg_config: -new_severity '$new'" }
-    set severity_of([first $option -id]) $new
+    lappend message_rules [list [first $option -id] [first $option -severity] [first $option -string] $new]
 }
 proc do_get_msg_config {option words} {
     global counted
@@ -284,6 +296,14 @@ proc read_controller {file} {
 }
 proc do_generate_target {option words} { global property; if {![has [lindex $words 1] CONFIG.XML_INPUT_FILE]} { error "the controller has no project file" } }
 proc do_synth_ip {option words} {}
+# The controller's own constraints do not all find their objects, in any design.
+proc constrain_controller {} {
+    global ip_folder place
+    set place [file join $ip_folder [file tail $ip_folder] user_design constraints [file tail $ip_folder].xdc]:341
+    message {Vivado 12-180} WARNING "No cells matched 'device_temp_sync_r1*'."
+    message {Common 17-55} "CRITICAL WARNING" "'set_property' expects at least one object."
+    set place ""
+}
 proc do_read_verilog {option words} { there [lindex $words 0]; global sources; lappend sources {*}[lindex $words 0] }
 proc do_read_mem {option words} {
     there [lindex $words 0]
@@ -297,10 +317,12 @@ proc do_read_xdc {option words} {
 }
 # The lines of a file of constraints, one after the other.
 proc constrain {file} {
-    global constraints
+    global constraints place
     set channel [open $file]
     set command ""
+    set number 0
     foreach line [split [read $channel] "\n"] {
+        set place $file:[incr number]
         append command $line "\n"
         if {[string match "*\\" $line] || ![info complete $command]} { continue }
         set word [lindex [split [string trim $command]] 0]
@@ -312,6 +334,7 @@ proc constrain {file} {
         set command ""
     }
     close $channel
+    set place ""
 }
 proc do_synth_design {option words} {
     global env done waiting words_of memories sources fault
@@ -320,14 +343,17 @@ proc do_synth_design {option words} {
     if {"[first $option -top].v" ni [lmap file $sources { file tail $file }]} { error "no module [first $option -top]" }
     if {[dict get $option -verilog_define] ne {EDOF_IMAGES_BY_NAME SYNTHESIS}} { error "images are not looked for by name" }
     foreach {name words} [array get words_of] { read_image $name $words }
+    constrain_controller
     foreach file $waiting { constrain $file }
     if {$fault eq "critical"} { message {Synth 8-9999} "CRITICAL WARNING" "something that nobody tolerated" }
 }
 # A word a line and nothing else, as many lines as words (UG901).
 proc read_image {name words} {
-    global memories
+    global memories sources place
     if {![info exists memories($name)]} {
+        set place [lindex $sources 0]:1
         message {Synth 8-4445} "CRITICAL WARNING" "could not open \$readmem data file '$name'; please make sure the file is added to project"
+        set place ""
         return
     }
     set channel [open $memories($name)]
@@ -452,37 +478,89 @@ proc has_clock {at} {
     foreach {clock where} [array get clocks] { if {$where eq $at} { return 1 } }
     return [expr {[info exists derived_from($at)] && [has_clock $derived_from($at)]}]
 }
-proc sentence {names what} {
-    set lines [lmap name $names { format "%s" $name }]
-    return " There are [llength $names] $what.\n\n[join $lines "\n"]\n\n"
+# What a file of the folder REPORTS has, of the form FORM.
+proc recorded {report fault} {
+    global env
+    set files [lsort [glob -directory [file join $env(REPORTS) $report] *.rpt]]
+    set files [lsearch -all -inline {*}[expr {$fault ? "" : "-not"}] $files *.violation.rpt]
+    set channel [open [lindex $files [expr {$env(FORM) eq "newer" ? "end" : 0}]]]
+    set text [read $channel]
+    close $channel
+    return $text
+}
+proc is_newer {} { global env; return [expr {$env(FORM) eq "newer"}] }
+# The part above the line `until` of a recorded report, and that line: its header and title.
+proc head_of {report until} {
+    set text [recorded $report 0]
+    return [string range $text 0 [string first $until $text]+[string length $until]]
+}
+
+# A sentence of check_timing: how many there are, with the names below; a pair in `what` is for one and for many.
+proc sentence {names what {stop "."} {severity HIGH}} {
+    set count [llength $names]
+    set text " There [expr {$count == 1 ? "is" : "are"}] $count [expr {$count == 1 ? [lindex $what 0] : [lindex $what end]}]$stop"
+    if {$count > 0} { append text " ($severity)\n\n[join $names "\n"]" }
+    return [list $count "$text\n\n"]
+}
+# Sections, each with its sentences; newer forms count the objects in the titles.
+proc timing_sections {sections} {
+    set contents ""
+    set details ""
+    foreach {check sentences} $sections {
+        set title "[incr number]. checking $check"
+        if {[is_newer]} { append title " ([tcl::mathop::+ {*}[lmap sentence $sentences { lindex $sentence 0 }]])" }
+        append contents "$title\n"
+        append details "\n$title\n[string repeat - [string length $title]]\n[join [lmap sentence $sentences { lindex $sentence 1 }] ""]"
+    }
+    return "\nTable of Contents\n-----------------\n$contents$details"
 }
 proc do_check_timing {option words} {
     global clock_of read_ports driven_ports delayed excepted clocks
     must_be route
     set unclocked {}
     foreach {register clock} [array get clock_of] { if {![has_clock $clock]} { lappend unclocked $register/C } }
-    set text [sentence [lsort $unclocked] "register/latch pins with no clock"]
     foreach {kind ports end} [list input $read_ports 0 output $driven_ports 1] {
-        set none {}; set free {}; set partial {}
-        foreach port $ports {
-            if {$port in [dict values [array get clocks]]} { continue }
+        foreach list {none free partial forwarded} { set $list {} }
+        foreach port [lsort $ports] {
             set ends [expr {[info exists delayed($port,-min)] + [info exists delayed($port,-max)]}]
             set is_free [expr {[lsearch -exact [concat {*}[lmap exception $excepted { lindex $exception $end }]] $port] >= 0}]
-            if {$ends == 1} { lappend partial $port }
-            if {$ends == 0} { if {$is_free} { lappend free $port } else { lappend none $port } }
+            if {$port in [dict values [array get clocks]]} {
+                if {$kind eq "output"} { lappend forwarded $port }
+            } elseif {$ends == 1} {
+                lappend partial $port
+            } elseif {$ends == 0} {
+                if {$is_free} { lappend free $port } else { lappend none $port }
+            }
         }
-        append text [sentence $none "$kind ports with no $kind delay specified"]
-        append text [sentence $free "$kind ports with no $kind delay but user has a false path constraint"]
-        append text [sentence $partial "ports with partial $kind delay specified"]
+        set word [expr {$kind eq "input" ? "input port" : "port"}]
+        set stop [expr {$kind eq "input" ? "." : ""}]
+        set no($kind) [list \
+            [sentence $none [list "$word with no $kind delay specified" "${word}s with no $kind delay specified"]] \
+            [sentence $free [lmap ports [list $word ${word}s] { string cat "$ports with no $kind delay but user has a false path constraint" }] $stop MEDIUM]]
+        set partial_of($kind) [list [sentence $partial [list "$word with partial $kind delay specified" "${word}s with partial $kind delay specified"]]]
     }
-    return $text
+    lappend no(output) [sentence $forwarded [lmap ports {port ports} { string cat $ports " with no output delay but with a timing clock defined on it or propagating through it" }] "" LOW]
+    set sections [list \
+        no_clock [list [sentence [lsort $unclocked] [list "register/latch pins with no clock"]]] \
+        constant_clock [list [sentence {} [list "register/latch pins with constant_clock"]]] \
+        pulse_width_clock [list [sentence {} [list "register/latch pins which need pulse_width check"] ""]] \
+        unconstrained_internal_endpoints [list \
+            [sentence {} [list "pins that are not constrained for maximum delay"]] \
+            [sentence {} [list "pins that are not constrained for maximum delay due to constant clock"]]] \
+        no_input_delay $no(input) no_output_delay $no(output) \
+        multiple_clock [list [sentence {} [list "register/latch pins with multiple clocks"]]] \
+        generated_clocks [list [sentence {} [list "generated clocks that are not connected to a clock source"]]] \
+        loops [list [sentence {} [list "combinational loops in the design"]]] \
+        partial_input_delay $partial_of(input) partial_output_delay $partial_of(output) \
+        latch_loops [list [sentence {} [list "combinational latch loops in the design through latch input"] ""]]]
+    return [reported $option [head_of check_timing "check_timing report"][timing_sections $sections]]
 }
 
 # Reports.
 
 foreach kind {utilization clock_interaction power drc timing_summary pulse_width cdc methodology} {
     proc do_report_$kind {option words} "must_be synth; return \[reported \$option \[says_$kind\]\]"
-    proc says_$kind {} { return "" }
+    proc says_$kind {} "global fault; return \[recorded $kind \[expr {\$fault eq {$kind}}\]\]"
 }
 proc reported {option text} {
     if {[dict exists $option -file]} {
@@ -492,20 +570,24 @@ proc reported {option text} {
     }
     return [expr {[dict exists $option -return_string] ? $text : ""}]
 }
+proc says_power {} { return "" }
 proc says_timing_summary {} {
     if {[slack path:1] < 0} { message {Timing 38-282} "CRITICAL WARNING" "The design failed to meet the timing requirements." }
     return ""
 }
-proc says_pulse_width {} { global fault; return [expr {$fault eq "pulse_width" ? "screen_clock  MMCME2 CLKOUT0  -0.1" : ""}] }
-proc says_cdc {} { global fault; return [expr {$fault eq "cdc" ? "CDC-10  Critical  Combinatorial logic detected before a synchronizer" : ""}] }
 proc do_report_bus_skew {option words} {
     global skews fault
-    if {$fault eq "bus_skew" && [dict exists $option -warn_on_violation]} { message {Timing 38-436} "CRITICAL WARNING" "There are set_bus_skew constraint(s) that are not met." }
-    set text "Id  Position  From  To\n--  --------  ----  --\n"
-    foreach skew $skews { append text "[incr number]   [expr {$number + 7}]         $skew\n" }
-    return [reported $option $text]
+    if {[llength $skews] == 0} { return [reported $option "[head_of bus_skew "Bus Skew Report"]\nNo bus skew constraints\n"] }
+    set text [head_of bus_skew "  Slack(ns)"]
+    append text "--  --------  ------------------------------  ------------------------------  ------  ---------------  ----------  ---------\n"
+    set glue [expr {[is_newer] ? " \\\n          " : " "}]
+    foreach skew $skews {
+        lassign [lmap end $skew { string cat "\[get_cells \[list " [join [lmap cell $end { string cat "{" [name_of $cell] "}" }] $glue] "\]\]" }] from to
+        set slack [expr {$fault eq "bus_skew" ? -0.433 : 5.763}]
+        append text [format "%-3d %-9d %s\n%46s%s\n%78sSlow    %15.3f  %10.3f  %9.3f\n" [incr number] [expr {2 * $number}] $from "" $to "" 6.667 [expr {6.667 - $slack}] $slack]
+    }
+    return [reported $option "$text\n\n2. Bus Skew Report Per Constraint\n---------------------------------\n"]
 }
-proc do_get_methodology_violations {option words} { global fault; return [expr {$fault eq "methodology" ? "TIMING-6#1" : ""}] }
 
-foreach list {crossings excepted skews waiting sources read_ports driven_ports placed_by_controller done} { set $list {} }
+foreach list {message_rules crossings excepted skews waiting sources read_ports driven_ports placed_by_controller done} { set $list {} }
 foreach table {port_of clocks module_of pad_of property inside clock_of delayed} { array set $table {} }

@@ -27,7 +27,7 @@ const TRIED: usize = 12;
 const STEPS: usize = 4;
 
 /// Folders and files that a generated directory consists of.
-const PARTS: [&str; 16] = [
+const PARTS: [&str; 17] = [
     "rtl",
     "mem",
     "sim",
@@ -38,6 +38,7 @@ const PARTS: [&str; 16] = [
     "Makefile",
     "README.md",
     "build.tcl",
+    "reports.tcl",
     "lint.vlt",
     "edof.core",
     "registers.md",

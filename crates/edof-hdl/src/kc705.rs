@@ -24,8 +24,9 @@ const BOARD_FILES: [(&str, &str); 5] = [
     ("rtl/edof_debounce.v", include_str!("../../../rtl/edof_debounce.v")),
 ];
 /// How the project is built.
-const BUILD_FILES: [(&str, &str); 3] = [
+const BUILD_FILES: [(&str, &str); 4] = [
     ("build.tcl", include_str!("../../../project/build.tcl")),
+    ("reports.tcl", include_str!("../../../project/reports.tcl")),
     ("Makefile", include_str!("../../../project/Makefile")),
     ("README.md", include_str!("../../../project/README.md")),
 ];
