@@ -188,7 +188,7 @@ fn a_design_of_ones_own_is_made_checked_and_taken_by_every_command() {
     );
     // An impossible value is reported with its option.
     for (options, told) in [
-        ("--form w8,t3,c63", "--form: form.codes 63: must be even"),
+        ("--form w8,t3,c63", "--form: form.codes 63: must be a multiple of 4"),
         ("--form w8,t3 --clock-mhz 1e99", "--clock-mhz 1e99: must be above 0"),
         (
             "--form w8,t3 --clock-mhz 150.001",

@@ -8,7 +8,8 @@ use std::process::Command;
 /// What an ignored test says that is left to the soak.
 const REASON: &str = "scripts/soak.sh\"]";
 /// What the others say.
-const OTHER_REASONS: [&str; 2] = ["scripts/test-gpu.sh\"]", "in a process of its own\"]"];
+const OTHER_REASONS: [&str; 3] =
+    ["scripts/test-gpu.sh\"]", "in a process of its own\"]", "run by another test, once for each umask\"]"];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")

@@ -9,8 +9,7 @@
 //! | what its values are of light: black and white level | [`levels`] |
 //! | from its colours to those of a screen: white balance, colour matrix | [`rendering`] |
 //! | whether it was read as it was taken | [`read_warnings`] |
-//! | DNG: a camera's raw frame as light, with its colours | [`dng`] |
-//! | what a camera's file asks to be done with the picture: lens, crop, orientation | [`finish`] |
+//! | DNG: a camera's raw frame as light, with its colours, and what is to be done with its picture | [`dng`] |
 //! | other cameras' raw files, with the feature `camera-raw` | [`camera_raw`] |
 //! | how a camera was held | [`orientation`] |
 //! | picture files, before either meaning is given to them | [`picture`], its pixels [`samples`] |
@@ -36,7 +35,6 @@
 
 pub mod camera_raw;
 pub mod dng;
-pub mod finish;
 pub mod levels;
 pub mod orientation;
 pub mod packing;

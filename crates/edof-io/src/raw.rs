@@ -14,8 +14,8 @@
 //! So a frame that [`save`] wrote as PNG, TIFF or PGM is read back without any option but its phase.
 
 use crate::camera_raw::{self, CameraRawError};
-use crate::dng::{self, Dng, Overrides};
-use crate::finish::Finish;
+use crate::dng::{self, Dng, Finish, Overrides};
+
 use crate::packing::{self, ByteOrder, Packing, Stray};
 use crate::picture::{self, Format, PictureError};
 use crate::rendering::Rendering;

@@ -12,7 +12,7 @@
 //! | step | [`adam`] | new weights |
 //! | | [`structure`] | what weights keep to, so that a circuit could multiply less |
 //! | lens | [`joint`] | a lens that moves along its network's gradient |
-//! | run | [`recipe`], [`train`] | schedule, [`validation`], checkpoints ([`checkpoint`]), resume |
+//! | run | [`recipe`], [`train`], [`threads`] | schedule, [`validation`], checkpoints ([`checkpoint`]), resume |
 
 pub mod adam;
 pub mod augment;
@@ -27,6 +27,7 @@ pub mod noise;
 pub mod precondition;
 pub mod recipe;
 pub mod structure;
+pub mod threads;
 pub mod train;
 pub mod validation;
 pub mod weighting;

@@ -8,6 +8,7 @@ use crate::noise::Conditions;
 use crate::precondition::Precondition;
 use crate::recipe::{Recipe, RecipeError, SHARES, Trained, value};
 use crate::structure::Held;
+use crate::threads::Pool;
 use crate::validation::{Validation, ValidationSets};
 use crate::weighting::remember;
 use edof_camera::Camera;
@@ -200,7 +201,7 @@ impl<'a> Trainer<'a> {
                 return Err(value(field, found, format!("{expected}, as this form and these photos have")));
             }
         }
-        let pool = pool(threads)?;
+        let pool = Pool::new(threads)?;
         let condition = condition(&recipe, dataset);
         let mut weights = vec![0.0; layout.len()];
         condition.to_network(&state.weights, &mut weights);
@@ -483,40 +484,4 @@ fn rates(layout: &Layout, recipe: &Recipe) -> Vec<f32> {
     }
     layout.thresholds.iter().for_each(|t| rates[t.clone()].fill(recipe.threshold_rate));
     rates
-}
-
-/// # Errors
-/// [`RecipeError`] for a number of threads that no run can have.
-pub fn check_threads(threads: usize) -> Result<(), RecipeError> {
-    (1..=256).contains(&threads).then_some(()).ok_or_else(|| value("threads", threads, "1 to 256"))
-}
-
-/// Threads of a training run.
-#[derive(Debug)]
-enum Pool {
-    Own(rayon::ThreadPool),
-    /// That of the caller, where the system starts no others.
-    Shared,
-}
-
-impl Pool {
-    fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
-        match self {
-            Self::Own(pool) => pool.install(work),
-            Self::Shared => work(),
-        }
-    }
-}
-
-/// As many threads as are wanted, or as a limit of the system allows: weights do not depend on the number.
-fn pool(threads: usize) -> Result<Pool, RecipeError> {
-    check_threads(threads)?;
-    let mut count = threads;
-    while count > 0 {
-        if let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(count).build() {
-            return Ok(Pool::Own(pool));
-        }
-        count /= 2;
-    }
-    Ok(Pool::Shared)
 }

@@ -2,7 +2,7 @@
 
 use super::Overrides;
 use super::directory::Directory;
-use super::refusal::Refusal;
+use super::rejection::Rejection;
 use super::tags::{self, Tag};
 use crate::rendering::{ColourMatrix, Rendering, WhiteBalance};
 
@@ -87,24 +87,24 @@ const OTHER: usize = 255;
 pub struct Described<'a, 'd>(pub [&'d Directory<'a>; 2]);
 
 impl<'a> Described<'a, '_> {
-    fn exactly<const N: usize>(&self, tag: Tag) -> Result<Option<[f64; N]>, Refusal> {
+    fn exactly<const N: usize>(&self, tag: Tag) -> Result<Option<[f64; N]>, Rejection> {
         self.0.iter().find(|directory| directory.has(tag)).map_or(Ok(None), |found| found.exactly(tag))
     }
 
-    fn matrix(&self, tag: Tag) -> Result<Option<Matrix>, Refusal> {
+    fn matrix(&self, tag: Tag) -> Result<Option<Matrix>, Rejection> {
         let rows =
             |all: [f64; 9]| std::array::from_fn(|row| std::array::from_fn(|column| all[3 * row + column]));
         Ok(self.exactly::<9>(tag)?.map(rows))
     }
 
-    fn bytes(&self, tag: Tag) -> Result<&'a [u8], Refusal> {
+    fn bytes(&self, tag: Tag) -> Result<&'a [u8], Rejection> {
         let found = self.0.iter().find(|directory| directory.has(tag));
         let bytes = found.map_or(Ok(None), |found| found.bytes(tag))?.unwrap_or_default();
         Ok(bytes.strip_suffix(&[0]).unwrap_or(bytes))
     }
 
     /// The temperature of a calibration's light, if it is known.
-    fn temperature(&self, of: &Calibration) -> Result<Option<f64>, Refusal> {
+    fn temperature(&self, of: &Calibration) -> Result<Option<f64>, Rejection> {
         let Some([source]) = self.exactly::<1>(of.illuminant)? else { return Ok(None) };
         if source == OTHER as f64 {
             let found = self.0.iter().find(|directory| directory.has(of.data));
@@ -114,7 +114,7 @@ impl<'a> Described<'a, '_> {
     }
 
     /// The calibration whose light is nearest to daylight, by reciprocal temperature; without any known light the last.
-    fn daylight(&self) -> Result<Option<&'static Calibration>, Refusal> {
+    fn daylight(&self) -> Result<Option<&'static Calibration>, Rejection> {
         let mut best: Option<(f64, &Calibration)> = None;
         for calibration in &CALIBRATIONS {
             if self.exactly::<9>(calibration.colour)?.is_none()
@@ -134,7 +134,7 @@ impl<'a> Described<'a, '_> {
     }
 
     /// Balance of the analog gains times the calibration of this copy of the camera.
-    fn individual(&self, of: &Calibration) -> Result<Matrix, Refusal> {
+    fn individual(&self, of: &Calibration) -> Result<Matrix, Rejection> {
         let gains = self.exactly::<3>(tags::ANALOG_BALANCE)?.unwrap_or([1.0; 3]);
         let is_for_profile =
             self.bytes(tags::CALIBRATION_SIGNATURE)? == self.bytes(tags::PROFILE_SIGNATURE)?;
@@ -143,14 +143,14 @@ impl<'a> Described<'a, '_> {
     }
 
     /// What the sensor sees of white, in any unit.
-    fn neutral(&self) -> Result<Option<[f64; 3]>, Refusal> {
+    fn neutral(&self) -> Result<Option<[f64; 3]>, Rejection> {
         let expected = "three numbers above 0; or state the white balance";
         let is_possible = |neutral: &[f64]| neutral.iter().all(|v| v.is_finite() && *v > 0.0);
         if let Some(found) = self.0.iter().find(|directory| directory.has(tags::NEUTRAL)) {
             let numbers = found.numbers(tags::NEUTRAL)?.unwrap_or_default();
             return match <[f64; 3]>::try_from(&numbers[..]) {
                 Ok(neutral) if is_possible(&neutral) => Ok(Some(neutral)),
-                _ => Err(Refusal::wrong(tags::NEUTRAL, &numbers, expected)),
+                _ => Err(Rejection::wrong(tags::NEUTRAL, &numbers, expected)),
             };
         }
         let Some([x, y]) = self.exactly::<2>(tags::WHITE_XY)? else { return Ok(None) };
@@ -161,7 +161,7 @@ impl<'a> Described<'a, '_> {
         if is_possible(&neutral) {
             Ok(Some(neutral))
         } else {
-            Err(Refusal::wrong(tags::WHITE_XY, &[x, y], expected))
+            Err(Rejection::wrong(tags::WHITE_XY, &[x, y], expected))
         }
     }
 }
@@ -171,13 +171,13 @@ impl<'a> Described<'a, '_> {
 /// does), and inverted.
 ///
 /// # Errors
-/// [`Refusal`] for colours that are no colours.
-pub fn rendering(described: &Described<'_, '_>, overrides: &Overrides) -> Result<Rendering, Refusal> {
+/// [`Rejection`] for colours that are no colours.
+pub fn rendering(described: &Described<'_, '_>, overrides: &Overrides) -> Result<Rendering, Rejection> {
     let white_balance = match overrides.white_balance {
         Some(stated) => Some(stated),
         None => {
             let balance = |neutral: [f64; 3]| {
-                let wrong = |_| Refusal::wrong(tags::NEUTRAL, &neutral, "three numbers of at least 0.01");
+                let wrong = |_| Rejection::wrong(tags::NEUTRAL, &neutral, "three numbers of at least 0.01");
                 WhiteBalance::try_from(neutral.map(|share| 1.0 / share)).map_err(wrong)
             };
             described.neutral()?.map(balance).transpose()?
@@ -193,10 +193,10 @@ pub fn rendering(described: &Described<'_, '_>, overrides: &Overrides) -> Result
 fn matrix(
     described: &Described<'_, '_>,
     white_balance: Option<WhiteBalance>,
-) -> Result<Option<ColourMatrix>, Refusal> {
+) -> Result<Option<ColourMatrix>, Rejection> {
     let Some(calibration) = described.daylight()? else { return Ok(None) };
     let individual = described.individual(calibration)?;
-    let singular = |tag| move || Refusal::wrong(tag, &[], "a matrix that can be inverted");
+    let singular = |tag| move || Rejection::wrong(tag, &[], "a matrix that can be inverted");
     let (tag, rows) = if let Some(forward) = described.matrix(calibration.forward)? {
         let neutral =
             white_balance.map_or([1.0; 3], |balance| <[f64; 3]>::from(balance).map(|gain| 1.0 / gain));
@@ -210,7 +210,7 @@ fn matrix(
     } else {
         return Ok(None);
     };
-    let wrong = |_| Refusal::wrong(tag, rows.as_flattened(), "a matrix that keeps white white");
+    let wrong = |_| Rejection::wrong(tag, rows.as_flattened(), "a matrix that keeps white white");
     ColourMatrix::try_from(rows).map(Some).map_err(wrong)
 }
 

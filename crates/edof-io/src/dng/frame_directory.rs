@@ -1,7 +1,7 @@
 //! The choice of the directory whose picture is read, and the tags of it that must have one value.
 
 use super::directory::{Directories, Directory};
-use super::refusal::Refusal;
+use super::rejection::Rejection;
 use super::tags::{self, Tag};
 use edof_image::words;
 
@@ -32,8 +32,8 @@ pub struct Chosen<'a, 'd> {
 }
 
 /// Takes the first mosaic in full resolution.
-pub fn choose<'a, 'd>(all: &'d Directories<'a>) -> Result<Chosen<'a, 'd>, Refusal> {
-    let cut = || Refusal::Cut("its directories do".to_owned());
+pub fn choose<'a, 'd>(all: &'d Directories<'a>) -> Result<Chosen<'a, 'd>, Rejection> {
+    let cut = || Rejection::Cut("its directories do".to_owned());
     let Some(first) = all.found.first() else { return Err(cut()) };
     check_version(first)?;
     let (mut mosaics, mut reduced, mut linear) = (vec![], false, false);
@@ -52,16 +52,16 @@ pub fn choose<'a, 'd>(all: &'d Directories<'a>) -> Result<Chosen<'a, 'd>, Refusa
             Ok(Chosen { raw, first, frames: mosaics.len() })
         }
         [] if all.is_cut => Err(cut()),
-        [] if linear => Err(Refusal::Mosaic("three colours at every pixel (linear DNG)".to_owned())),
+        [] if linear => Err(Rejection::Mosaic("three colours at every pixel (linear DNG)".to_owned())),
         [] if reduced => {
             let found = "not 0 in each directory with a mosaic (reduced resolution, or a mask)";
-            Err(Refusal::value(tags::NEW_SUBFILE_TYPE, found, "0, a frame in full resolution"))
+            Err(Rejection::value(tags::NEW_SUBFILE_TYPE, found, "0, a frame in full resolution"))
         }
-        [] => Err(Refusal::Damaged("no directory of the file has a colour filter array".to_owned())),
+        [] => Err(Rejection::Damaged("no directory of the file has a colour filter array".to_owned())),
     }
 }
 
-fn is_full_resolution(directory: &Directory<'_>) -> Result<bool, Refusal> {
+fn is_full_resolution(directory: &Directory<'_>) -> Result<bool, Rejection> {
     Ok(match directory.whole(tags::NEW_SUBFILE_TYPE)? {
         Some(kind) => kind == 0,
         // The older tag: 1 is full resolution, 2 reduced, 3 a page of several.
@@ -69,12 +69,12 @@ fn is_full_resolution(directory: &Directory<'_>) -> Result<bool, Refusal> {
     })
 }
 
-fn check_version(first: &Directory<'_>) -> Result<(), Refusal> {
+fn check_version(first: &Directory<'_>) -> Result<(), Rejection> {
     first.exactly::<4>(tags::VERSION)?;
     match first.exactly::<4>(tags::BACKWARD_VERSION)? {
         Some(version) if version > VERSION => {
             let dotted = |version: [f64; 4]| version.map(words::number).join(".");
-            Err(Refusal::value(
+            Err(Rejection::value(
                 tags::BACKWARD_VERSION,
                 dotted(version),
                 format!("at most {}", dotted(VERSION)),
@@ -84,21 +84,21 @@ fn check_version(first: &Directory<'_>) -> Result<(), Refusal> {
     }
 }
 
-fn check_fixed(raw: &Directory<'_>, first: &Directory<'_>) -> Result<(), Refusal> {
+fn check_fixed(raw: &Directory<'_>, first: &Directory<'_>) -> Result<(), Rejection> {
     for (tag, only, expected) in FIXED {
         // The colour reference is stated once for a file.
         let directories = if tag == tags::COLORIMETRIC_REFERENCE { vec![first, raw] } else { vec![raw] };
         for directory in directories {
             if let Some(found) = directory.numbers(tag)?.filter(|found| found != only) {
-                return Err(Refusal::value(tag, words::numbers(&found), expected));
+                return Err(Rejection::value(tag, words::numbers(&found), expected));
             }
         }
     }
     if raw.has(tags::JPEG_TABLES) {
-        return Err(Refusal::value(tags::JPEG_TABLES, "there", "tables within each tile"));
+        return Err(Rejection::value(tags::JPEG_TABLES, "there", "tables within each tile"));
     }
     match raw.exactly::<2>(tags::DEFAULT_SCALE)? {
-        Some([horizontal, vertical]) if horizontal != vertical => Err(Refusal::value(
+        Some([horizontal, vertical]) if horizontal != vertical => Err(Rejection::value(
             tags::DEFAULT_SCALE,
             words::numbers(&[horizontal, vertical]),
             "two equal numbers (square pixels)",

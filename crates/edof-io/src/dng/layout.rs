@@ -1,16 +1,16 @@
 //! Crop and orientation that a file asks for.
 
 use super::directory::Directory;
-use super::refusal::Refusal;
+use super::finish::Crop;
+use super::rejection::Rejection;
 use super::tags;
-use crate::finish::Crop;
 use crate::orientation::Orientation;
 
 /// The part of the active area that is the picture, in whole pixels; none if it is all of it.
 ///
 /// # Errors
-/// [`Refusal`] for a part that is not inside.
-pub fn crop(raw: &Directory<'_>, (height, width): (usize, usize)) -> Result<Option<Crop>, Refusal> {
+/// [`Rejection`] for a part that is not inside.
+pub fn crop(raw: &Directory<'_>, (height, width): (usize, usize)) -> Result<Option<Crop>, Rejection> {
     let whole = [0.0, 0.0, height as f64, width as f64];
     let [left, top] = raw.exactly::<2>(tags::CROP_ORIGIN)?.unwrap_or([0.0; 2]);
     let [columns, rows] =
@@ -23,12 +23,12 @@ pub fn crop(raw: &Directory<'_>, (height, width): (usize, usize)) -> Result<Opti
             (tags::CROP_ORIGIN, [left, top])
         };
         let expected = format!("a part of the active area of {width} columns and {height} rows");
-        return Err(Refusal::wrong(tag, &found, expected));
+        return Err(Rejection::wrong(tag, &found, expected));
     }
     let shares = raw.exactly::<4>(tags::USER_CROP)?.unwrap_or([0.0, 0.0, 1.0, 1.0]);
     if !is_inside(shares, [0.0, 0.0, 1.0, 1.0]) {
         let expected = "top, left, bottom, right as shares of the default crop";
-        return Err(Refusal::wrong(tags::USER_CROP, &shares, expected));
+        return Err(Rejection::wrong(tags::USER_CROP, &shares, expected));
     }
     // Origin and size are rounded each, as Adobe's SDK has it.
     let [top, left, rows, columns] = [top, left, rows, columns].map(f64::round);
@@ -46,7 +46,7 @@ pub fn crop(raw: &Directory<'_>, (height, width): (usize, usize)) -> Result<Opti
         width: end[1].saturating_sub(from[1]),
     };
     if crop.height == 0 || crop.width == 0 {
-        return Err(Refusal::wrong(tags::CROP_SIZE, &[columns, rows], "at least one whole pixel"));
+        return Err(Rejection::wrong(tags::CROP_SIZE, &[columns, rows], "at least one whole pixel"));
     }
     Ok(Some(crop).filter(|crop| *crop != Crop { top: 0, left: 0, height, width }))
 }
@@ -64,10 +64,10 @@ fn is_inside([top, left, bottom, right]: [f64; 4], outer: [f64; 4]) -> bool {
 /// How the camera was held.
 ///
 /// # Errors
-/// [`Refusal`] for another number than 1 to 8.
-pub fn orientation(first: &Directory<'_>, raw: &Directory<'_>) -> Result<Orientation, Refusal> {
+/// [`Rejection`] for another number than 1 to 8.
+pub fn orientation(first: &Directory<'_>, raw: &Directory<'_>) -> Result<Orientation, Rejection> {
     let of = if first.has(tags::ORIENTATION) { first } else { raw };
     let Some(number) = of.whole(tags::ORIENTATION)? else { return Ok(Orientation::NoTransforms) };
     let orientation = u8::try_from(number).ok().and_then(Orientation::from_exif);
-    orientation.ok_or_else(|| Refusal::wrong(tags::ORIENTATION, &[number as f64], "1 to 8"))
+    orientation.ok_or_else(|| Rejection::wrong(tags::ORIENTATION, &[number as f64], "1 to 8"))
 }

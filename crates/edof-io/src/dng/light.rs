@@ -4,7 +4,7 @@
 use super::Overrides;
 use super::directory::Directory;
 use super::pixels::Sample;
-use super::refusal::Refusal;
+use super::rejection::Rejection;
 use super::tags;
 use crate::levels::{Black, LevelsError};
 use ndarray::{Array2, s};
@@ -12,13 +12,13 @@ use ndarray::{Array2, s};
 /// Values by the file's table, where it has one. A value beyond the table's end has that of its end.
 ///
 /// # Errors
-/// [`Refusal`] for a table that is empty or of a float picture.
-pub fn linearize(raw: &Directory<'_>, sample: Sample, values: &mut Array2<f32>) -> Result<(), Refusal> {
+/// [`Rejection`] for a table that is empty or of a float picture.
+pub fn linearize(raw: &Directory<'_>, sample: Sample, values: &mut Array2<f32>) -> Result<(), Rejection> {
     let Some(table) = raw.wholes(tags::LINEARIZATION)? else { return Ok(()) };
     if let Sample::Float(_) = sample {
-        return Err(Refusal::value(tags::LINEARIZATION, "there", "none for floating-point numbers"));
+        return Err(Rejection::value(tags::LINEARIZATION, "there", "none for floating-point numbers"));
     }
-    let last = *table.last().ok_or_else(|| Refusal::wrong(tags::LINEARIZATION, &[], "a table"))?;
+    let last = *table.last().ok_or_else(|| Rejection::wrong(tags::LINEARIZATION, &[], "a table"))?;
     values.mapv_inplace(|value| *table.get(value as usize).unwrap_or(&last) as f32);
     Ok(())
 }
@@ -26,8 +26,8 @@ pub fn linearize(raw: &Directory<'_>, sample: Sample, values: &mut Array2<f32>) 
 /// Top, left, bottom and right of what light falls on.
 ///
 /// # Errors
-/// [`Refusal`] for an area that is not inside of the picture.
-pub fn active_area(raw: &Directory<'_>, (height, width): (usize, usize)) -> Result<[usize; 4], Refusal> {
+/// [`Rejection`] for an area that is not inside of the picture.
+pub fn active_area(raw: &Directory<'_>, (height, width): (usize, usize)) -> Result<[usize; 4], Rejection> {
     let Some(area) = raw.wholes(tags::ACTIVE_AREA)? else { return Ok([0, 0, height, width]) };
     match area[..] {
         [top, left, bottom, right]
@@ -41,7 +41,7 @@ pub fn active_area(raw: &Directory<'_>, (height, width): (usize, usize)) -> Resu
         _ => {
             let found: Vec<f64> = area.iter().map(|v| *v as f64).collect();
             let expected = format!("top, left, bottom, right inside of {height} rows and {width} columns");
-            Err(Refusal::wrong(tags::ACTIVE_AREA, &found, expected))
+            Err(Rejection::wrong(tags::ACTIVE_AREA, &found, expected))
         }
     }
 }
@@ -59,14 +59,14 @@ impl BlackLevels {
         Self { size: [2, 2], cell: black.values().to_vec(), of_column: vec![], of_row: vec![] }
     }
 
-    fn of(raw: &Directory<'_>, (height, width): (usize, usize)) -> Result<Self, Refusal> {
+    fn of(raw: &Directory<'_>, (height, width): (usize, usize)) -> Result<Self, Rejection> {
         let size = match raw.wholes(tags::BLACK_SIZE)? {
             None => [1, 1],
             Some(size) => match size[..] {
                 [rows, columns] if rows > 0 && columns > 0 => [rows, columns],
                 _ => {
                     let found: Vec<f64> = size.iter().map(|v| *v as f64).collect();
-                    return Err(Refusal::wrong(tags::BLACK_SIZE, &found, "rows and columns"));
+                    return Err(Rejection::wrong(tags::BLACK_SIZE, &found, "rows and columns"));
                 }
             },
         };
@@ -75,7 +75,7 @@ impl BlackLevels {
             Some(levels) if levels.len() == cells && levels.iter().all(|v| v.is_finite()) => levels,
             Some(levels) => {
                 let expected = format!("{cells} numbers, as BlackLevelRepeatDim states");
-                return Err(Refusal::wrong(tags::BLACK_LEVEL, &levels, expected));
+                return Err(Rejection::wrong(tags::BLACK_LEVEL, &levels, expected));
             }
             None => vec![0.0; cells.min(1)],
         };
@@ -84,7 +84,7 @@ impl BlackLevels {
             None => Ok(vec![]),
             Some(deltas) if deltas.len() == count && deltas.iter().all(|v| v.is_finite()) => Ok(deltas),
             Some(deltas) => {
-                Err(Refusal::wrong(tag, &deltas, format!("{count} numbers, the active area's size")))
+                Err(Rejection::wrong(tag, &deltas, format!("{count} numbers, the active area's size")))
             }
         };
         let (of_column, of_row) = (deltas(tags::BLACK_DELTA_H, width)?, deltas(tags::BLACK_DELTA_V, height)?);
@@ -101,9 +101,9 @@ impl BlackLevels {
 }
 
 /// The value of full light: the file's, else the largest of its bits, or 1 of floating-point numbers.
-fn white(raw: &Directory<'_>, sample: Sample) -> Result<f64, Refusal> {
+fn white(raw: &Directory<'_>, sample: Sample) -> Result<f64, Rejection> {
     if let Some(white) = raw.numbers(tags::WHITE_LEVEL)? {
-        return white.first().copied().ok_or_else(|| Refusal::wrong(tags::WHITE_LEVEL, &[], "a number"));
+        return white.first().copied().ok_or_else(|| Rejection::wrong(tags::WHITE_LEVEL, &[], "a number"));
     }
     let largest = raw.numbers(tags::LINEARIZATION)?.unwrap_or_default().into_iter().fold(0.0, f64::max);
     match sample {
@@ -111,7 +111,7 @@ fn white(raw: &Directory<'_>, sample: Sample) -> Result<f64, Refusal> {
         Sample::Whole(bits) if largest < f64::from(bits).exp2() => Ok(f64::from(bits).exp2() - 1.0),
         Sample::Whole(_) => {
             let what = "and LinearizationTable has values beyond BitsPerSample; state the white level";
-            Err(Refusal::Missing { tag: tags::WHITE_LEVEL, what })
+            Err(Rejection::Missing { tag: tags::WHITE_LEVEL, what })
         }
     }
 }
@@ -119,14 +119,14 @@ fn white(raw: &Directory<'_>, sample: Sample) -> Result<f64, Refusal> {
 /// The light of the active area, 0 to 1: (value − black) / (white − the largest black), what is outside cut off.
 ///
 /// # Errors
-/// [`Refusal`] for levels that exclude each other.
+/// [`Rejection`] for levels that exclude each other.
 pub fn light(
     raw: &Directory<'_>,
     values: &Array2<f32>,
     sample: Sample,
     [top, left, bottom, right]: [usize; 4],
     overrides: &Overrides,
-) -> Result<Array2<f32>, Refusal> {
+) -> Result<Array2<f32>, Rejection> {
     let mut light = values.slice(s![top..bottom, left..right]).to_owned();
     let levels = match overrides.black {
         Some(black) => BlackLevels::stated(black),
@@ -137,7 +137,7 @@ pub fn light(
     let all = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
     let black = all.map(|(row, column)| levels.at(row, column)).fold(f64::NEG_INFINITY, f64::max);
     if white.is_nan() || black >= white {
-        return Err(Refusal::Levels(LevelsError::Black { black, white }));
+        return Err(Rejection::Levels(LevelsError::Black { black, white }));
     }
     for ((row, column), value) in light.indexed_iter_mut() {
         let share = (f64::from(*value) - levels.at(row, column)) / (white - black);

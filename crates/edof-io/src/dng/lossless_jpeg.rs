@@ -60,7 +60,7 @@ impl Bits<'_> {
         }
     }
 
-    /// Goes on behind the next marker, which must be that of a restart.
+    /// Resumes behind the next marker, which must be that of a restart.
     fn restart(&mut self) -> Result<(), Reason> {
         match self.bytes.get(self.at..) {
             Some([0xff, 0xd0..=0xd7, ..]) => {

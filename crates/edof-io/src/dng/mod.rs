@@ -11,32 +11,34 @@
 //! | crop and orientation of the picture | `layout` |
 //!
 //! `docs/dng.md` has a row for each tag of Adobe's "Digital Negative (DNG) Specification" up to version 1.7.1: what is done, or why nothing
-//! is. What would change the picture and is not done is refused by name.
+//! is. What would change the picture and is not done is rejected by name.
 
 mod colour;
 mod directory;
+mod finish;
 mod frame_directory;
 mod layout;
 mod light;
 mod lossless_jpeg;
 mod opcodes;
 mod pixels;
-mod refusal;
+mod rejection;
 mod tags;
 
 use crate::camera_raw::CameraRawError;
-use crate::finish::Finish;
+
 use crate::levels::Black;
 use crate::rendering::{ColourMatrix, Rendering, WhiteBalance};
 use crate::tiff::directory::File;
 use directory::{Directories, Directory};
 use edof_image::words::{self, number};
 use edof_image::{CfaPhase, Channel, RawFrame};
+pub use finish::{Crop, Finish};
 use frame_directory::{Chosen, choose};
 use ndarray::{Array2, s};
 use opcodes::List;
 pub use opcodes::Opcodes;
-use refusal::Refusal;
+use rejection::Rejection;
 use std::path::Path;
 
 /// A frame from a DNG file.
@@ -84,12 +86,12 @@ pub fn is_dng(bytes: &[u8]) -> bool {
 /// # Errors
 /// [`CameraRawError`]: damaged, no Bayer mosaic, or with a tag that is not supported.
 pub fn decode(bytes: &[u8], path: &Path, overrides: &Overrides) -> Result<Dng, CameraRawError> {
-    read(bytes, overrides).map_err(|refusal| refusal.of(path))
+    read(bytes, overrides).map_err(|rejection| rejection.of(path))
 }
 
-fn read(bytes: &[u8], overrides: &Overrides) -> Result<Dng, Refusal> {
+fn read(bytes: &[u8], overrides: &Overrides) -> Result<Dng, Rejection> {
     let file = File::new(bytes)
-        .ok_or_else(|| Refusal::Damaged("the file does not begin like a TIFF or a DNG".to_owned()))?;
+        .ok_or_else(|| Rejection::Damaged("the file does not begin like a TIFF or a DNG".to_owned()))?;
     let directories = Directories::of(file)?;
     let Chosen { raw, first, frames } = choose(&directories)?;
     let mut notes = vec![];
@@ -101,7 +103,7 @@ fn read(bytes: &[u8], overrides: &Overrides) -> Result<Dng, Refusal> {
     let words = light.mapv(|share| (f64::from(share) * 65536.0).round().min(65535.0) as u16);
     let [rows, columns] = [words.nrows() & !1, words.ncols() & !1];
     let frame = RawFrame::from_values(words.slice(s![..rows, ..columns]).to_owned(), 16, phase)
-        .map_err(|e| Refusal::Damaged(e.to_string()))?;
+        .map_err(|e| Rejection::Damaged(e.to_string()))?;
     let rendering = colour::rendering(&colour::Described([first, raw]), overrides)?;
     notes.extend(replaced(raw, first, overrides));
     notes.extend(left_out(raw, first)?);
@@ -114,7 +116,7 @@ fn light_and_finish(
     first: &Directory<'_>,
     overrides: &Overrides,
     notes: &mut Vec<String>,
-) -> Result<(Array2<f32>, Finish), Refusal> {
+) -> Result<(Array2<f32>, Finish), Rejection> {
     let (mut values, sample) = pixels::stored(raw)?;
     let area @ [top, left, bottom, right] = light::active_area(raw, values.dim())?;
     let size = (bottom - top, right - left);
@@ -137,7 +139,7 @@ fn light_and_finish(
 }
 
 /// Which colours the first pixels of the active area see.
-fn phase(raw: &Directory<'_>, overrides: &Overrides, notes: &mut Vec<String>) -> Result<CfaPhase, Refusal> {
+fn phase(raw: &Directory<'_>, overrides: &Overrides, notes: &mut Vec<String>) -> Result<CfaPhase, Rejection> {
     let size = raw.wholes(tags::CFA_SIZE)?.unwrap_or_else(|| vec![2, 2]);
     if let Some(stated) = overrides.phase.filter(|_| size == [2, 2]) {
         if let Ok(found) = phase_of_file(raw, &size)
@@ -150,13 +152,13 @@ fn phase(raw: &Directory<'_>, overrides: &Overrides, notes: &mut Vec<String>) ->
     phase_of_file(raw, &size)
 }
 
-fn phase_of_file(raw: &Directory<'_>, size: &[usize]) -> Result<CfaPhase, Refusal> {
+fn phase_of_file(raw: &Directory<'_>, size: &[usize]) -> Result<CfaPhase, Rejection> {
     let missing =
-        || Refusal::Missing { tag: tags::CFA, what: "so the colour filters are unknown; state the phase" };
+        || Rejection::Missing { tag: tags::CFA, what: "so the colour filters are unknown; state the phase" };
     let pattern = raw.wholes(tags::CFA)?.ok_or_else(missing)?;
     if let Some(colours) = raw.numbers(tags::CFA_COLOURS)?.filter(|colours| colours != &[0.0, 1.0, 2.0]) {
         let expected = "0, 1, 2 (red, green, blue)";
-        return Err(Refusal::value(tags::CFA_COLOURS, words::numbers(&colours), expected));
+        return Err(Rejection::value(tags::CFA_COLOURS, words::numbers(&colours), expected));
     }
     let fits = |phase: &CfaPhase| {
         let colour = |channel: Channel| [0, 1, 2][channel.plane()];
@@ -165,7 +167,7 @@ fn phase_of_file(raw: &Directory<'_>, size: &[usize]) -> Result<CfaPhase, Refusa
     };
     CfaPhase::ALL.into_iter().find(fits).ok_or_else(|| {
         let [rows, columns] = [0, 1].map(|side| size.get(side).copied().unwrap_or(0));
-        Refusal::Mosaic(format!("a {rows}x{columns} mosaic {pattern:?}"))
+        Rejection::Mosaic(format!("a {rows}x{columns} mosaic {pattern:?}"))
     })
 }
 
@@ -199,10 +201,10 @@ fn replaced(raw: &Directory<'_>, first: &Directory<'_>, overrides: &Overrides) -
 }
 
 /// What the file asks for beyond the sensor's light and its colours.
-fn left_out(raw: &Directory<'_>, first: &Directory<'_>) -> Result<Vec<String>, Refusal> {
+fn left_out(raw: &Directory<'_>, first: &Directory<'_>) -> Result<Vec<String>, Rejection> {
     let mut notes = vec![];
     let number_of =
-        |tag| -> Result<f64, Refusal> { Ok(first.exactly::<1>(tag)?.map_or(0.0, |[stops]| stops)) };
+        |tag| -> Result<f64, Rejection> { Ok(first.exactly::<1>(tag)?.map_or(0.0, |[stops]| stops)) };
     let exposure = number_of(tags::BASELINE_EXPOSURE)? + number_of(tags::EXPOSURE_OFFSET)?;
     if exposure != 0.0 {
         let tag = tags::BASELINE_EXPOSURE;

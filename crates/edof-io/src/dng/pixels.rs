@@ -2,7 +2,7 @@
 
 use super::directory::Directory;
 use super::lossless_jpeg;
-use super::refusal::Refusal;
+use super::rejection::Rejection;
 use super::tags;
 use ndarray::{Array2, s};
 
@@ -12,7 +12,7 @@ const LONGEST: usize = 65535;
 /// How a pixel is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sample {
-    /// An unsigned number of so many bits, 8 to 32.
+    /// An unsigned number of N bits, 8 to 32.
     Whole(u32),
     /// A floating-point number of 16, 24 or 32 bits.
     Float(u32),
@@ -22,17 +22,19 @@ impl Sample {
     /// What a directory states.
     ///
     /// # Errors
-    /// [`Refusal`] for other kinds.
-    pub fn of(raw: &Directory<'_>) -> Result<Self, Refusal> {
+    /// [`Rejection`] for other kinds.
+    pub fn of(raw: &Directory<'_>) -> Result<Self, Rejection> {
         let bits = raw.whole(tags::BITS)?.unwrap_or(16) as u32;
         match raw.whole(tags::SAMPLE_FORMAT)?.unwrap_or(1) {
             1 if (8..=32).contains(&bits) => Ok(Self::Whole(bits)),
-            1 => Err(Refusal::value(tags::BITS, bits, "8 to 32")),
+            1 => Err(Rejection::value(tags::BITS, bits, "8 to 32")),
             3 if [16, 24, 32].contains(&bits) => Ok(Self::Float(bits)),
-            3 => Err(Refusal::value(tags::BITS, bits, "16, 24 or 32 for floating-point numbers")),
-            other => {
-                Err(Refusal::value(tags::SAMPLE_FORMAT, other, "1 (unsigned) or 3 (floating-point numbers)"))
-            }
+            3 => Err(Rejection::value(tags::BITS, bits, "16, 24 or 32 for floating-point numbers")),
+            other => Err(Rejection::value(
+                tags::SAMPLE_FORMAT,
+                other,
+                "1 (unsigned) or 3 (floating-point numbers)",
+            )),
         }
     }
 
@@ -52,7 +54,7 @@ struct Parts {
     bytes: Vec<usize>,
 }
 
-fn parts(raw: &Directory<'_>, (height, width): (usize, usize)) -> Result<Parts, Refusal> {
+fn parts(raw: &Directory<'_>, (height, width): (usize, usize)) -> Result<Parts, Rejection> {
     let is_tiled = raw.has(tags::TILE_OFFSETS);
     let size = if is_tiled {
         (part_side(raw, tags::TILE_HEIGHT)?, part_side(raw, tags::TILE_WIDTH)?)
@@ -60,7 +62,7 @@ fn parts(raw: &Directory<'_>, (height, width): (usize, usize)) -> Result<Parts, 
         // One strip may state any large number.
         let rows = raw.whole(tags::STRIP_ROWS)?.map_or(0, |rows| rows.min(height));
         if rows == 0 {
-            return Err(Refusal::wrong(tags::STRIP_ROWS, &[0.0], "rows of a strip, 1 or more"));
+            return Err(Rejection::wrong(tags::STRIP_ROWS, &[0.0], "rows of a strip, 1 or more"));
         }
         (rows, width)
     } else {
@@ -68,13 +70,13 @@ fn parts(raw: &Directory<'_>, (height, width): (usize, usize)) -> Result<Parts, 
     };
     let count = height.div_ceil(size.0) * width.div_ceil(size.1);
     let each = |tag| {
-        let all = raw.wholes(tag)?.ok_or(Refusal::Missing { tag, what: NOWHERE })?;
+        let all = raw.wholes(tag)?.ok_or(Rejection::Missing { tag, what: NOWHERE })?;
         if all.len() == count {
             return Ok(all);
         }
         let found: Vec<f64> = all.iter().map(|v| *v as f64).collect();
         let parts = if is_tiled { "tiles" } else { "strips" };
-        Err(Refusal::wrong(tag, &found, format!("{count} numbers, for a frame of {count} {parts}")))
+        Err(Rejection::wrong(tag, &found, format!("{count} numbers, for a frame of {count} {parts}")))
     };
     let [offsets, bytes] = if is_tiled {
         [tags::TILE_OFFSETS, tags::TILE_BYTES]
@@ -88,35 +90,35 @@ fn parts(raw: &Directory<'_>, (height, width): (usize, usize)) -> Result<Parts, 
 const NOWHERE: &str = "so the pixels are nowhere";
 
 /// A side of a tile.
-fn part_side(raw: &Directory<'_>, tag: tags::Tag) -> Result<usize, Refusal> {
+fn part_side(raw: &Directory<'_>, tag: tags::Tag) -> Result<usize, Rejection> {
     match raw.whole(tag)? {
         Some(side) if (1..=LONGEST).contains(&side) => Ok(side),
-        Some(side) => Err(Refusal::wrong(tag, &[side as f64], format!("1 to {LONGEST} pixels"))),
-        None => Err(Refusal::Missing { tag, what: NOWHERE }),
+        Some(side) => Err(Rejection::wrong(tag, &[side as f64], format!("1 to {LONGEST} pixels"))),
+        None => Err(Rejection::Missing { tag, what: NOWHERE }),
     }
 }
 
-fn side(raw: &Directory<'_>, tag: tags::Tag) -> Result<usize, Refusal> {
+fn side(raw: &Directory<'_>, tag: tags::Tag) -> Result<usize, Rejection> {
     match raw.whole(tag)? {
         Some(side) if (2..=LONGEST).contains(&side) => Ok(side),
-        Some(side) => Err(Refusal::wrong(tag, &[side as f64], format!("2 to {LONGEST} pixels"))),
-        None => Err(Refusal::Missing { tag, what: "so the frame has no size" }),
+        Some(side) => Err(Rejection::wrong(tag, &[side as f64], format!("2 to {LONGEST} pixels"))),
+        None => Err(Rejection::Missing { tag, what: "so the frame has no size" }),
     }
 }
 
 /// The whole picture of a directory, rows × columns.
 ///
 /// # Errors
-/// [`Refusal`] for another compression, and where pixels are missing or damaged.
-pub fn stored(raw: &Directory<'_>) -> Result<(Array2<f32>, Sample), Refusal> {
+/// [`Rejection`] for another compression, and where pixels are missing or damaged.
+pub fn stored(raw: &Directory<'_>) -> Result<(Array2<f32>, Sample), Rejection> {
     let size @ (height, width) = (side(raw, tags::HEIGHT)?, side(raw, tags::WIDTH)?);
     let sample = Sample::of(raw)?;
     let is_lossless = match (raw.whole(tags::COMPRESSION)?.unwrap_or(1), sample) {
         (1, _) => false,
         (7, Sample::Whole(..=16)) => true,
-        (7, _) => return Err(Refusal::value(tags::BITS, sample.bits(), "at most 16 for lossless JPEG")),
+        (7, _) => return Err(Rejection::value(tags::BITS, sample.bits(), "at most 16 for lossless JPEG")),
         (other, _) => {
-            return Err(Refusal::value(tags::COMPRESSION, named(other), "1 (none) or 7 (lossless JPEG)"));
+            return Err(Rejection::value(tags::COMPRESSION, named(other), "1 (none) or 7 (lossless JPEG)"));
         }
     };
     let parts = parts(raw, size)?;
@@ -145,8 +147,8 @@ pub fn stored(raw: &Directory<'_>) -> Result<(Array2<f32>, Sample), Refusal> {
     Ok((all, sample))
 }
 
-fn no_pixels() -> Refusal {
-    Refusal::Cut("its pixels do".to_owned())
+fn no_pixels() -> Rejection {
+    Rejection::Cut("its pixels do".to_owned())
 }
 
 /// A compression by its number and, where cameras and converters use it, its name.
@@ -162,13 +164,14 @@ fn named(compression: usize) -> String {
     format!("{compression} ({name})")
 }
 
-fn lossless(bytes: &[u8], (rows, columns): (usize, usize)) -> Result<Array2<f32>, Refusal> {
+fn lossless(bytes: &[u8], (rows, columns): (usize, usize)) -> Result<Array2<f32>, Rejection> {
     if rows * columns / 8 > bytes.len() {
         return Err(no_pixels());
     }
-    let samples = lossless_jpeg::decode(bytes, rows * columns).map_err(|e| Refusal::Damaged(e.to_owned()))?;
+    let samples =
+        lossless_jpeg::decode(bytes, rows * columns).map_err(|e| Rejection::Damaged(e.to_owned()))?;
     let samples = samples.into_iter().map(f32::from).collect();
-    Array2::from_shape_vec((rows, columns), samples).map_err(|e| Refusal::Damaged(e.to_string()))
+    Array2::from_shape_vec((rows, columns), samples).map_err(|e| Rejection::Damaged(e.to_string()))
 }
 
 /// Values without compression. Floating-point numbers and integers of 8, 16 and 32 bits are whole bytes in the file's order. Other integers
@@ -178,7 +181,7 @@ fn plain(
     (rows, columns): (usize, usize),
     sample: Sample,
     is_big_endian: bool,
-) -> Result<Array2<f32>, Refusal> {
+) -> Result<Array2<f32>, Rejection> {
     let bits = sample.bits() as usize;
     let pitch = (columns * bits).div_ceil(8);
     let bytes = bytes.get(..rows * pitch).ok_or_else(no_pixels)?;
@@ -197,7 +200,7 @@ fn plain(
     };
     let values = Array2::from_shape_fn((rows, columns), |(row, column)| value(number(row, column)));
     match values.indexed_iter().find(|(_, v)| v.is_nan()) {
-        Some(((row, column), _)) => Err(Refusal::Damaged(format!(
+        Some(((row, column), _)) => Err(Rejection::Damaged(format!(
             "a pixel of a tile or strip is NaN, at its row {row}, column {column}"
         ))),
         None => Ok(values),

@@ -1,7 +1,7 @@
 use super::colour::{D65_FROM_SRGB, product};
+use super::finish::Crop;
 use super::tags::Tag;
 use super::*;
-use crate::finish::Crop;
 use crate::orientation::Orientation;
 use proptest::prelude::*;
 

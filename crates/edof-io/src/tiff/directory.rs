@@ -36,7 +36,7 @@ pub struct Directory<'a> {
 /// Why the numbers of a tag cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unreadable {
-    /// They lie beyond the end of the file.
+    /// The numbers are beyond the end of the file.
     Cut,
     /// TIFF has no such type.
     Type(u16),

@@ -66,11 +66,18 @@ impl Args {
     /// A picture of a format that does not exist.
     pub fn writes(&self, files: Files) -> Result<Files, Error> {
         let weights = self.weights.as_deref().and_then(weights::fixed_file);
-        let files = files.reads_all(&self.frame).reads_all(weights).may_write("--link", self.link.as_ref());
+        let files = files.reads_all(&self.frame).reads_all(weights).may_write("--link", self.new_link());
         match &self.picture {
             Some(file) if !is_codes(file) => files.writes_picture("--picture", file),
             file => Ok(files.may_write("--picture", file.as_ref())),
         }
+    }
+}
+
+impl Args {
+    /// Returns the link, unless one of that name leads nowhere: an earlier run left it behind, and it is replaced, not followed.
+    fn new_link(&self) -> Option<&Path> {
+        self.link.as_deref().filter(|link| link.exists() || !link.is_symlink())
     }
 }
 

@@ -13,7 +13,7 @@ use edof_io::photos::Selection;
 use edof_storage::provenance::Input;
 use edof_train::joint::{Joint, JointError, JointState, random_lens, values};
 use edof_train::recipe::Recipe;
-use edof_train::train::check_threads;
+use edof_train::threads::check_threads;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::path::{Path, PathBuf};

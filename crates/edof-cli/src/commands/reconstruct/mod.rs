@@ -21,7 +21,7 @@ use edof_image::overlap::Overlap;
 use edof_image::reconstructor::Multiplications;
 use edof_image::{CfaPhase, Channel, ColourFrame, RawFrame, Reconstructor, Stride, Tone, cable};
 use edof_io::camera_raw::CameraRawError;
-use edof_io::finish::Finish;
+use edof_io::dng::Finish;
 use edof_io::levels::{Levels, LevelsError};
 use edof_io::picture::Format;
 use edof_io::raw::{Kind, RawError};

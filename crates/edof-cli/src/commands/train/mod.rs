@@ -24,7 +24,7 @@ use edof_storage::name;
 use edof_storage::provenance::{Input, Provenance};
 use edof_train::checkpoint::Run;
 use edof_train::recipe::Recipe;
-use edof_train::train::check_threads;
+use edof_train::threads::check_threads;
 use seed::one_seed;
 use std::path::PathBuf;
 

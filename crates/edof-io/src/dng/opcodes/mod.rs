@@ -8,7 +8,7 @@
 //! | FixVignetteRadial | `lens` | 2, 3 |
 //! | WarpRectilinear, WarpFisheye | `lens` | 3 |
 //!
-//! Another opcode is left out with a note if its flag calls it optional, else the file is refused.
+//! Another opcode is left out with a note if its flag calls it optional, else the file is rejected.
 
 mod defects;
 mod lens;
@@ -17,7 +17,7 @@ mod pointwise;
 
 use super::directory::Directory;
 use super::pixels::Sample;
-use super::refusal::Refusal;
+use super::rejection::Rejection;
 use super::tags::{self, Tag};
 use defects::Defects;
 use edof_image::ColourFrame;
@@ -121,17 +121,17 @@ fn name(id: u32) -> String {
 /// Reads the list of a frame; what is left out is added to `notes`.
 ///
 /// # Errors
-/// [`Refusal`] for an opcode that is needed and not supported, or whose parameters are cut or out of range.
+/// [`Rejection`] for an opcode that is needed and not supported, or whose parameters are cut or out of range.
 pub fn read(
     raw: &Directory<'_>,
     list: List,
     sample: Sample,
     notes: &mut Vec<String>,
-) -> Result<Opcodes, Refusal> {
+) -> Result<Opcodes, Rejection> {
     let tag = list.tag();
     let units = Units::of(list, sample);
     let Some(bytes) = raw.bytes(tag)? else { return Ok(Opcodes { all: vec![], units }) };
-    let cut = || Refusal::Cut(format!("the opcodes of {tag} do"));
+    let cut = || Rejection::Cut(format!("the opcodes of {tag} do"));
     let mut parameters = Parameters::new(bytes);
     let mut all = vec![];
     for _ in 0..parameters.whole().ok_or_else(cut)? {
@@ -147,10 +147,10 @@ pub fn read(
             Some(None) => {
                 let found = format!("wrong parameters of {}", name(id));
                 let expected = "those of the specification".to_owned();
-                return Err(Refusal::Wrong { tag, found, expected });
+                return Err(Rejection::Wrong { tag, found, expected });
             }
             None if flags & 1 == 1 => notes.push(format!("{tag}: {} is optional and left out", name(id))),
-            None => return Err(Refusal::value(tag, name(id), "opcodes that docs/dng.md lists for it")),
+            None => return Err(Rejection::value(tag, name(id), "opcodes that docs/dng.md lists for it")),
         }
     }
     Ok(Opcodes { all, units })
@@ -177,16 +177,16 @@ impl Opcodes {
         self.all.is_empty()
     }
 
-    /// Refuses parts that a trim would cut off an image of that size.
+    /// Rejects parts that a trim would cut off an image of that size.
     ///
     /// # Errors
-    /// [`Refusal`] naming the list.
-    pub(super) fn check(&self, list: List, (height, width): (usize, usize)) -> Result<(), Refusal> {
+    /// [`Rejection`] naming the list.
+    pub(super) fn check(&self, list: List, (height, width): (usize, usize)) -> Result<(), Rejection> {
         let whole = [0, 0, height as u32, width as u32];
         let trims = |opcode: &Opcode| matches!(opcode, Opcode::Trim(area) if *area != whole);
         if self.all.iter().any(trims) {
             let expected = format!("TrimBounds of the whole image, {height} rows and {width} columns");
-            return Err(Refusal::value(list.tag(), "TrimBounds (6) of a part", expected));
+            return Err(Rejection::value(list.tag(), "TrimBounds (6) of a part", expected));
         }
         Ok(())
     }

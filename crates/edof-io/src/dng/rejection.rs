@@ -11,7 +11,7 @@ const REMEDY: &str = "convert it to a DNG without this, or to a 16-bit PNG, TIFF
 
 /// Why a file cannot be used.
 #[derive(Debug)]
-pub enum Refusal {
+pub enum Rejection {
     /// A tag has a value with which the picture would be another one.
     Value { tag: Tag, found: String, expected: String },
     /// A tag's numbers are not what the specification allows.
@@ -28,13 +28,13 @@ pub enum Refusal {
     Damaged(String),
 }
 
-impl Refusal {
-    /// Refuses a value that is legal but not supported.
+impl Rejection {
+    /// Rejects a value that is legal but not supported.
     pub fn value(tag: Tag, found: impl ToString, expected: impl ToString) -> Self {
         Self::Value { tag, found: found.to_string(), expected: expected.to_string() }
     }
 
-    /// Refuses numbers that are not legal.
+    /// Rejects numbers that are not legal.
     pub fn wrong(tag: Tag, found: &[f64], expected: impl ToString) -> Self {
         Self::Wrong { tag, found: words::numbers(found), expected: expected.to_string() }
     }

@@ -1,7 +1,7 @@
 //! What a camera's file asks to be done with the picture that is made of its frame: corrections in the sensor's colours, and at the end its
 //! crop and orientation.
 
-use crate::dng::Opcodes;
+use super::opcodes::Opcodes;
 use crate::orientation::{Orientation, turned};
 use edof_image::ColourFrame;
 
