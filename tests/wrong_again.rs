@@ -40,7 +40,11 @@ const DESIGNS: &[(&str, &str, &str)] = &[
     ("\"rows\": 1", "\"rows\": 77", "stages[1].rows 77: must be 1 or 2"),
     ("\"width\": 64", "\"width\": 63", "frame 63x48: both sides must be even"),
     ("\"width\": 64", "\"width\": 0", "frame 0x48: both sides must be at least 10 pixels"),
-    ("\"width\": 64", "\"width\": 1099511627776", "must be at most 2097152 pixels, which a buffer holds"),
+    (
+        "\"width\": 64",
+        "\"width\": 1099511627776",
+        "frame 1099511627776x48: must be at most 16384 pixels a side",
+    ),
     ("\"stride\": 8", "\"stride\": 3", "stride 3: must be 2, 4 or 8"),
     ("\"stride\": 8", "\"stride\": 8.5", "8.5, expected a whole number"),
     ("\"tiny\"", "\"\"", "name empty: must be 1 to 64 letters"),

@@ -194,6 +194,12 @@ mod tests {
     }
 
     #[test]
+    fn a_frame_is_no_larger_than_its_buffer() {
+        let error = check(&design(200.0, 2048, 1032)).unwrap_err().to_string();
+        assert_eq!(error, "frame 2048x1032: must be at most 2097152 pixels, which a buffer holds");
+    }
+
+    #[test]
     fn calculators_run_at_their_designs_clock() {
         for mhz in [5.0, 100.0, 125.0, 150.0, 200.0, 212.5, 215.0, 220.0, 333.0] {
             let made = clocks(&design(mhz, 1920, 1080)).unwrap().calculator;
