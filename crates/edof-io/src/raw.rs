@@ -22,7 +22,6 @@ use crate::rendering::Rendering;
 use crate::samples::Samples;
 use edof_image::frame::FrameError;
 use edof_image::{CfaPhase, RawFrame};
-use edof_storage::input;
 use ndarray::{Array2, Axis};
 use std::fs::File;
 use std::io::Read;
@@ -222,35 +221,41 @@ pub fn open(path: &Path, options: &RawOptions, overrides: &Overrides) -> Result<
         finish: Finish::default(),
         notes: vec![],
     };
-    match kind_of(path, options)? {
+    // A pipe is read once.
+    let (mut file, mut bytes) = picture::open(path)?;
+    if dng::is_tiff(&bytes) {
+        file.read_to_end(&mut bytes).map_err(cannot_read(path))?;
+    }
+    match kind_of(path, &bytes, options) {
         Kind::Dng => {
-            let bytes = input::read(path).map_err(cannot_read(path))?;
+            file.read_to_end(&mut bytes).map_err(cannot_read(path))?;
             let Dng { frame, rendering, finish, notes } = dng::decode(&bytes, path, overrides)?;
             Ok(Opened { frame, kind: Kind::Dng, rendering, finish, notes })
         }
         Kind::CameraRaw => Ok(alone(camera_raw::load(path)?, Kind::CameraRaw)),
-        Kind::Values => Ok(alone(picture_or_headerless(path, options)?, Kind::Values)),
+        Kind::Values => Ok(alone(picture_or_headerless(file, bytes, path, options)?, Kind::Values)),
     }
 }
 
-/// What a file is.
-fn kind_of(path: &Path, options: &RawOptions) -> Result<Kind, RawError> {
-    let (mut file, mut bytes) = picture::open(path)?;
-    if camera_raw::is_content(&bytes) {
-        return Ok(Kind::CameraRaw);
-    }
+/// What a file is that begins with these bytes; those of a TIFF are all there.
+fn kind_of(path: &Path, bytes: &[u8], options: &RawOptions) -> Kind {
     let is_named_dng = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("dng"));
     let by_name = match (is_named_dng, camera_raw::is_name(path)) {
         (true, _) => Kind::Dng,
         (_, true) => Kind::CameraRaw,
         _ => Kind::Values,
     };
-    if dng::is_tiff(&bytes) {
-        file.read_to_end(&mut bytes).map_err(cannot_read(path))?;
-        return Ok(if dng::is_dng(&bytes) { Kind::Dng } else { by_name });
+    let is_tiff = dng::is_tiff(bytes);
+    let is_values = !is_tiff && (Format::of(bytes).is_some() || options.size.is_some());
+    if camera_raw::is_content(bytes) {
+        Kind::CameraRaw
+    } else if is_tiff && dng::is_dng(bytes) {
+        Kind::Dng
+    } else if is_values {
+        Kind::Values
+    } else {
+        by_name
     }
-    let is_values = Format::of(&bytes).is_some() || options.size.is_some();
-    Ok(if is_values { Kind::Values } else { by_name })
 }
 
 /// A raw frame alone.
@@ -261,8 +266,13 @@ pub fn load(path: &Path, options: &RawOptions) -> Result<RawFrame, RawError> {
     Ok(open(path, options, &Overrides::default())?.frame)
 }
 
-fn picture_or_headerless(path: &Path, options: &RawOptions) -> Result<RawFrame, RawError> {
-    let (mut file, mut bytes) = picture::open(path)?;
+/// The frame of a file whose first bytes are read already.
+fn picture_or_headerless(
+    mut file: File,
+    mut bytes: Vec<u8>,
+    path: &Path,
+    options: &RawOptions,
+) -> Result<RawFrame, RawError> {
     if let Some(depth) = options.depth.filter(|d| !(8..=16).contains(d)) {
         return Err(RawError::Frame { path: path.to_owned(), source: FrameError::Depth(depth) });
     }
