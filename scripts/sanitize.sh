@@ -13,7 +13,7 @@ target=$(realpath -m "${CARGO_TARGET_DIR:-target}")/sanitize
 export ASAN_OPTIONS=detect_leaks=0:use_sigaltstack=0
 # The sanitizer is no part of stable Rust: RUSTC_BOOTSTRAP lets this build alone use it.
 RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address \
-    cargo test --locked --lib --tests --target "$host" --target-dir "$target" -p edof-golden -p edof-float
+    cargo test --locked --lib --tests --target "$host" --target-dir "$target" -p edof-golden -p edof-network
 # The C++ compiler's own sanitizer. It takes the place of malloc in a program that knows nothing of it, and needs the library that throws before it.
 watched="$(g++ -print-file-name=libasan.so) $(g++ -print-file-name=libstdc++.so.6)"
 # The program of a package's tests of that name, started in the package's folder under the sanitizer.

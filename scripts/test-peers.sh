@@ -7,7 +7,7 @@ source scripts/prepare.sh
 need_python
 
 # Optimised, because one of the comparisons is of speed.
-cargo build -q --release --locked -p edof-sparse --example pursue
+cargo build -q --release --locked -p edof-numerics --example pursue
 cargo build -q --release --locked -p edof-deblur --example demosaic
 cargo build -q --release --locked -p edof-cli
 environment=${CARGO_TARGET_DIR:-target}/peers

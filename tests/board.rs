@@ -3,7 +3,7 @@
 #![cfg(target_os = "linux")]
 
 use crate::support::{Place, forge};
-use edof_image::Tone;
+use edof_core::Tone;
 use edof_network::weight_file;
 use serde_json::Value;
 use std::io::{Read, Write};

@@ -1,7 +1,7 @@
 //! What `edof reconstruct` makes of a sensor's levels and colours, and of several frames.
 
 use crate::support::Place;
-use edof_image::{CfaPhase, RawFrame};
+use edof_core::{CfaPhase, RawFrame};
 use edof_io::photo;
 use edof_io::raw;
 use ndarray::Array2;

@@ -167,10 +167,10 @@ fn every_page_that_a_source_cites_exists() {
 
 #[test]
 fn a_document_that_names_what_is_not_there_is_found() {
-    let text = "See `docs/nowhere.md`, `edof_image::nothing`, [this](gone.md) and `docs/results/kodak-TONE.md`.\n```\n`docs/x.md`\n```";
+    let text = "See `docs/nowhere.md`, `edof_core::nothing`, [this](gone.md) and `docs/results/kodak-TONE.md`.\n```\n`docs/x.md`\n```";
     let found = missing(Path::new("README.md"), text);
     assert_eq!(
         found,
-        ["README.md: link to gone.md", "README.md: docs/nowhere.md", "README.md: edof_image::nothing"]
+        ["README.md: link to gone.md", "README.md: docs/nowhere.md", "README.md: edof_core::nothing"]
     );
 }

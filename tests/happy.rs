@@ -1,7 +1,7 @@
 //! What the program is for, done by the real binary on small inputs.
 
 use crate::support::Place;
-use edof_image::Tone;
+use edof_core::Tone;
 use edof_io::photo;
 use edof_io::raw::{self, RawOptions};
 use serde_json::json;
@@ -143,7 +143,7 @@ fn a_random_scene_is_captured_and_reconstructed() {
     let (sharp, out) =
         (photo::load(&place.path("sharp.png")).unwrap(), photo::load(&place.path("out.png")).unwrap());
     assert_eq!((sharp.size(), out.size()), ((96, 128), (96, 128)));
-    let brightness = |frame: &edof_image::ColourFrame| frame.planes.mean().unwrap();
+    let brightness = |frame: &edof_core::ColourFrame| frame.planes.mean().unwrap();
     assert!((brightness(&sharp) - brightness(&out)).abs() < 0.02);
 }
 

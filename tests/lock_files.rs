@@ -34,6 +34,6 @@ fn lock_files_of_other_workspaces_follow_our_manifests() {
         assert_eq!(stale(&text, &packages), [""; 0], "{folder}: run cargo metadata there");
     }
     let text = std::fs::read_to_string(root().join("python/Cargo.lock")).unwrap();
-    let older = text.replacen(" \"edof-storage\",\n", "", 1);
+    let older = text.replacen(" \"edof_core::storage\",\n", "", 1);
     assert_eq!(stale(&older, &packages).len(), 1, "a lock file that lacks one is found");
 }

@@ -1,8 +1,8 @@
 //! Optics, scenes and captures by the real binary.
 
 use crate::support::Place;
-use edof_camera::Camera;
-use edof_image::{CfaPhase, ColourFrame};
+use edof_core::camera::Camera;
+use edof_core::{CfaPhase, ColourFrame};
 use edof_io::photo;
 use edof_io::raw::{self, RawOptions};
 use ndarray::{Array3, Array4, s};

@@ -1,7 +1,7 @@
 //! Pictures of other programs by the real binary: stated curves, orientations, TIFFs of many kinds, sidecars, depth maps in millimetres.
 
 use crate::support::Place;
-use edof_image::{ColourFrame, Tone};
+use edof_core::{ColourFrame, Tone};
 use edof_io::photo;
 use edof_io::raw::{self, RawOptions};
 use edof_io::samples::Samples;

@@ -1,7 +1,7 @@
 //! Raw frames as video that a playout card sends to the board, by the real binary.
 
 use crate::support::{self, Place};
-use edof_image::Tone;
+use edof_core::Tone;
 use edof_io::raw::{self, RawOptions};
 use edof_network::weight_file;
 use serde_json::Value;

@@ -2,8 +2,8 @@
 
 use crate::support::Place;
 use crate::workspace::root;
+use edof_core::storage::provenance::InputKind;
 use edof_network::weight_file::{load_fixed, load_network};
-use edof_storage::provenance::InputKind;
 use serde_json::Value;
 
 const TRAIN: &str = "train --form one-sided,w8,t3,c16 --camera clear --images photos --photos all --depths 2 --steps 4 \

@@ -4,7 +4,7 @@
 
 use crate::board::Sim;
 use crate::support::Place;
-use edof_image::draw::Draw;
+use edof_core::draw::Draw;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fmt;

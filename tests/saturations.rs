@@ -2,9 +2,9 @@
 //! range of depths. (A sharp photograph without the camera's blur is no frame that it ever gives.) Photographs: `EDOF_KODAK`, else
 //! `../shared/data/kodak` beside the project.
 
-use edof_camera::Camera;
+use edof_core::RawFrame;
+use edof_core::camera::Camera;
 use edof_golden::Golden;
-use edof_image::RawFrame;
 use edof_network::weight_file;
 use edof_optics::capture::{Approximation, capture};
 use edof_optics::scene::Scene;

@@ -1,8 +1,8 @@
 //! Studies, by the real binary on small inputs: rows that are kept, resumed and shared out, and what they say.
 
 use crate::support::{Place, network};
-use edof_camera::Camera;
-use edof_image::{Noise, Tone};
+use edof_core::camera::Camera;
+use edof_core::{Noise, Tone};
 use edof_network::network::Condition;
 use edof_network::weight_file;
 use std::process::Stdio;

@@ -1,10 +1,10 @@
 //! Light and its encoding, and noise, by the real binary.
 
 use crate::support::Place;
-use edof_image::{ColourFrame, Tone};
+use edof::presets::weights;
+use edof_core::{ColourFrame, Tone};
 use edof_io::photo;
 use edof_io::raw::{self, RawOptions};
-use edof_presets::weights;
 use serde_json::{Value, json};
 
 /// Sensor values of a raw frame of 12 bits.

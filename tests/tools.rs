@@ -1,7 +1,7 @@
 //! Commands that tell of files and of the machine.
 
 use crate::support::Place;
-use edof_image::ColourFrame;
+use edof_core::ColourFrame;
 use edof_io::photo;
 use serde_json::Value;
 use std::os::unix::fs::PermissionsExt;

@@ -1,6 +1,6 @@
-"""OMP of 5000 signals in a dictionary of 64x1515, sparsity 8, in double precision: edof-sparse against scikit-learn, in turn.
+"""OMP of 5000 signals in a dictionary of 64x1515, sparsity 8, in double precision: edof_numerics::sparse against scikit-learn, in turn.
 
-Usage: omp_sklearn.py PURSUE THREADS ROUNDS OUT.json (PURSUE: the example of edof-sparse). Both tell the time of the pursuit alone.
+Usage: omp_sklearn.py PURSUE THREADS ROUNDS OUT.json (PURSUE: the example of edof_numerics::sparse). Both tell the time of the pursuit alone.
 """
 
 import json

@@ -1,7 +1,7 @@
 //! DNGs built from the tags of docs/dng.md: each input is a frame that is legal but for the tags that it chooses, so that most get as far as
 //! the picture.
 
-use edof_image::ColourFrame;
+use edof_core::ColourFrame;
 use edof_io::dng::{Dng, Overrides, decode};
 use std::path::Path;
 

@@ -1,15 +1,15 @@
 //! Parsers of files.
 
-use edof_camera::Camera;
-use edof_camera::psf_bank::Kernels;
+use edof_core::camera::Camera;
+use edof_core::camera::psf_bank::Kernels;
 use edof_device::Design;
 use edof_device::design::memory::{self, Set, Space};
 use edof_golden::cycle::estimate::estimate;
-use edof_image::CfaPhase;
+use edof_core::CfaPhase;
 use edof_io::dng::Overrides;
 use edof_io::packing::{ByteOrder, Packing};
 use edof_io::raw::{Alignment, RawOptions, Size};
-use edof_methods::dictionary::Dictionary;
+use edof_study::methods::dictionary::Dictionary;
 use edof_network::weight_file::{WeightFileError, parse_fixed, parse_network};
 use edof_optics::scene_file::SceneFile;
 use edof_study::journal::{Header, Journal, Line, Mixing};
@@ -74,7 +74,7 @@ pub fn camera(bytes: &[u8]) {
 
 /// Arrays of NPZ, NPY and safetensors files.
 pub fn arrays(bytes: &[u8]) {
-    let _ = edof_storage::arrays::read(&file("arrays", bytes));
+    let _ = edof_core::storage::arrays::read(&file("arrays", bytes));
 }
 
 /// Banks of PSFs: the first byte chooses NPZ, or NPY with its ψ beside it.

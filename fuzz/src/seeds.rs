@@ -1,10 +1,10 @@
 //! Files to begin with, most of them as the program writes them, all small.
 
-use edof_camera::Camera;
-use edof_image::{CfaPhase, ColourFrame, RawFrame};
+use edof_core::camera::Camera;
+use edof_core::{CfaPhase, ColourFrame, RawFrame};
 use edof_io::photo;
 use edof_io::samples::Samples;
-use edof_methods::dictionary::{self, Recipe};
+use edof_study::methods::dictionary::{self, Recipe};
 use edof_network::weight_file::{save_fixed, save_network};
 use ndarray::{Array1, Array2, Array3};
 use std::io::{Cursor, Write};
@@ -21,14 +21,14 @@ fn written(name: &str, write: impl FnOnce(&Path)) -> Vec<u8> {
 /// A float network of 4 codes, and the same in integers as they are drawn.
 pub fn weights() -> Vec<Vec<u8>> {
     let camera = Camera::resolve("ring-outer").expect("a preset");
-    let mut float = edof_random::silent(camera);
+    let mut float = edof_device::random::silent(camera);
     float.form.codes = 4;
     let (form, codes) = (float.form, float.form.codes);
     float.analysis = Array2::from_elem((codes, form.window.pixels()), 0.25);
     float.thresholds.iter_mut().for_each(|theta| *theta = Array1::from_elem(codes, 0.5));
     float.recurrent.iter_mut().for_each(|weights| *weights = Array2::zeros((codes, codes)));
     float.dictionary = Array2::zeros((float.dictionary.nrows(), codes));
-    let fixed = edof_random::extreme(form, 16, edof_image::geometry::Stride::FINEST, false, 1);
+    let fixed = edof_device::random::extreme(form, 16, edof_core::geometry::Stride::FINEST, false, 1);
     vec![
         written("float.safetensors", |path| {
             save_network(path, &float).expect("a small network can be written")
@@ -217,7 +217,7 @@ pub fn pnms() -> Vec<Vec<u8>> {
 pub fn dictionaries() -> Vec<Vec<u8>> {
     let recipe = Recipe { atoms: 4, sparsity: 1, patches: 10, rounds: 1, seed: 1 };
     let atoms = Array2::from_elem((192, recipe.atoms), 0.25);
-    let made = edof_storage::provenance::Provenance::default();
+    let made = edof_core::storage::provenance::Provenance::default();
     vec![written("dictionary.safetensors", |path| {
         dictionary::save(path, &atoms, recipe, 0.1, made).expect("a small dictionary can be written")
     })]

@@ -1,13 +1,13 @@
 //! CPU seconds of a 1080p frame through the program's pipeline, as `benches/frame.py` measures `edof.reconstruct`: `scripts/bench-python.sh`.
 
 use edof_golden::Golden;
-use edof_image::{CfaPhase, RawFrame};
-use edof_metrics::cpu_time;
+use edof_core::{CfaPhase, RawFrame};
+use edof_study::metrics::cpu_time;
 use ndarray::Array2;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let frames: usize = std::env::args().nth(1).map_or(Ok(10), |count| count.parse())?;
-    let golden = Golden::new(edof_presets::weights::fixed("edof-t4w12-outer-light")?)?;
+    let golden = Golden::new(edof::presets::weights::fixed("edof-t4w12-outer-light")?)?;
     // A frame is read, aligned and reconstructed, and its words become colours: what `edof reconstruct` does between its files.
     let file =
         Array2::from_shape_fn((1080, 1920), |(row, column)| ((row * 2003 + column * 331) % 4096) as u16);

@@ -28,7 +28,7 @@ class EdofError(ValueError):
 
 @final
 class Camera:
-    """A lens, its phase mask and a sensor (crate edof-camera).
+    """A lens, its phase mask and a sensor (crate edof_core::camera).
 
     `Camera("ring-outer")`: a preset. `Camera("mine.json", psf_bank="measured.npz")`: a JSON file, with measured PSFs in place of computed
     ones. Fields are described in docs/your-own-lens.md.
@@ -166,7 +166,7 @@ class Capture:
 
 @final
 class Network:
-    """A float network (crates edof-network and edof-float)."""
+    """A float network (crates edof-network and edof_network::float)."""
 
     @staticmethod
     def load(name_or_path: _Path) -> Network:

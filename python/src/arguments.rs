@@ -70,11 +70,11 @@ pub const PICTURE: &str = "3 planes (red, green, blue) x rows x columns";
 pub const PLANE: &str = "rows x columns";
 
 /// A picture as the crates take it, one copy of its own.
-pub fn picture(value: &Bound<'_, PyAny>, name: &str) -> PyResult<edof_image::ColourFrame> {
+pub fn picture(value: &Bound<'_, PyAny>, name: &str) -> PyResult<edof_core::ColourFrame> {
     let array = finite::<ndarray::Ix3>(value, name, PICTURE)?;
     let view = array.as_array();
     check_planes(view.dim(), name)?;
-    Ok(edof_image::ColourFrame { planes: view.as_standard_layout().into_owned() })
+    Ok(edof_core::ColourFrame { planes: view.as_standard_layout().into_owned() })
 }
 
 /// Three planes that hold something.
@@ -139,14 +139,14 @@ pub fn name(value: &Bound<'_, PyAny>, what: &str, expected: &str) -> PyResult<St
 }
 
 /// Noise: a word as the program takes it, or the standard deviation of Gaussian noise.
-pub fn noise(value: &Bound<'_, PyAny>) -> PyResult<edof_image::Noise> {
+pub fn noise(value: &Bound<'_, PyAny>) -> PyResult<edof_core::Noise> {
     if let Ok(text) = value.extract::<String>() {
         return word(&text);
     }
     match value.extract::<f64>() {
         Ok(sigma) => {
             let noise =
-                if sigma == 0.0 { edof_image::Noise::None } else { edof_image::Noise::gaussian(sigma) };
+                if sigma == 0.0 { edof_core::Noise::None } else { edof_core::Noise::gaussian(sigma) };
             noise.check().or_raise()?;
             Ok(noise)
         }

@@ -2,12 +2,12 @@
 
 use crate::arguments::{array, finite, name, number, owned};
 use crate::error::{OrRaise, failed};
-use edof_camera::Camera;
-use edof_camera::camera::{Aberration, PRESETS};
-use edof_camera::height_map::HeightMap;
-use edof_camera::psf_bank::{Kernels, PsfBank};
+use edof_core::camera::Camera;
+use edof_core::camera::{Aberration, PRESETS};
+use edof_core::camera::height_map::HeightMap;
+use edof_core::camera::psf_bank::{Kernels, PsfBank};
 use edof_optics::depth::{distance_m, psi_at};
-use edof_presets::lens;
+use edof::presets::lens;
 use ndarray::{Ix1, Ix2, Ix4};
 use pyo3::prelude::*;
 use std::path::PathBuf;

@@ -11,9 +11,9 @@ use edof_device::Design;
 use edof_device::board::clocks;
 use edof_golden::cycle::Cycle;
 use edof_golden::cycle::explore::front;
-use edof_image::RawFrame;
+use edof_core::RawFrame;
 use edof_network::FixedNetwork;
-use edof_presets::designs;
+use edof::presets::designs;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -177,7 +177,7 @@ impl PyDesign {
     /// A network of random words that fits the design, to try hardware with.
     #[pyo3(signature = (seed = 1))]
     fn random_network(&self, seed: u64) -> PyResult<crate::network::PyFixedNetwork> {
-        crate::network::PyFixedNetwork::of(edof_random::for_design(&self.0, seed))
+        crate::network::PyFixedNetwork::of(edof_device::random::for_design(&self.0, seed))
     }
 
     #[getter]

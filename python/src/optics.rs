@@ -4,7 +4,7 @@ use crate::arguments::{PICTURE, PLANE, array, finite, owned, word};
 use crate::camera::camera;
 use crate::error::{OrRaise, failed, wrong_type};
 use crate::job;
-use edof_image::{Channel, ColourFrame, Tone};
+use edof_core::{Channel, ColourFrame, Tone};
 use edof_optics::blur;
 use edof_optics::mtf::{self as response_of, Footprint};
 use edof_optics::psf::{Psf, Settings, channel_psfs};

@@ -5,7 +5,7 @@ use crate::error::{OrRaise, failed};
 use crate::reconstruct::curve;
 use crate::{job, json};
 use edof_io::photo;
-use edof_metrics::{BORDER, Quality};
+use edof_study::metrics::{BORDER, Quality};
 use numpy::{IntoPyArray, PyArray3};
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -74,5 +74,5 @@ pub fn psnr<'py>(
     if height <= 2 * border || width <= 2 * border {
         return Err(failed(format!("border {border}: leaves nothing of {height} rows x {width} columns")));
     }
-    py.detach(|| edof_metrics::psnr(&truth, &estimate, border)).or_raise()
+    py.detach(|| edof_study::metrics::psnr(&truth, &estimate, border)).or_raise()
 }

@@ -4,13 +4,13 @@ use crate::arguments::{array, word};
 use crate::error::{OrRaise, failed, wrong_type};
 use crate::network::{NETWORK, PyFixedNetwork, PyNetwork, stride};
 use crate::{job, json};
-use edof_float::reconstruct::{FloatReconstructor, Output};
+use edof_network::float::reconstruct::{FloatReconstructor, Output};
 use edof_golden::{Curve, Display, Golden, GoldenFrame, Picture};
-use edof_image::overlap::Overlap;
-use edof_image::{DisplayMode, RawFrame, Reconstructor, Stride, cable};
+use edof_core::overlap::Overlap;
+use edof_core::{DisplayMode, RawFrame, Reconstructor, Stride, cable};
 use edof_io::levels::{Black, Levels};
 use edof_network::FixedNetwork;
-use edof_presets::weights;
+use edof::presets::weights;
 use ndarray::Ix2;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
@@ -174,7 +174,7 @@ pub fn board_picture(
     let (out, (picture, shown)) = job::run(py, move |_| {
         let out = golden.frame(&raw)?;
         let picture = out.picture(&display);
-        Ok::<_, edof_image::geometry::GeometryError>((out, picture))
+        Ok::<_, edof_core::geometry::GeometryError>((out, picture))
     })?
     .or_raise()?;
     let counters = serde_json::json!({
@@ -229,7 +229,7 @@ pub fn words<'py>(
     let (boundaries, out, picture) = job::run(py, move |_| {
         let out: GoldenFrame = golden.frame(&raw)?;
         let (picture, _) = out.picture(&display);
-        Ok::<_, edof_image::geometry::GeometryError>((golden.words(&raw)?, out, picture))
+        Ok::<_, edof_core::geometry::GeometryError>((golden.words(&raw)?, out, picture))
     })?
     .or_raise()?;
     let all = PyDict::new(py);

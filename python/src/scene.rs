@@ -4,7 +4,7 @@ use crate::arguments::{PLANE, finite, noise, number, owned, picture, size, whole
 use crate::camera::camera;
 use crate::error::{OrRaise, failed, wrong_type};
 use crate::{job, json, optics};
-use edof_image::{CfaPhase, ColourFrame};
+use edof_core::{CfaPhase, ColourFrame};
 use edof_optics::capture::{self, Approximation};
 use edof_optics::draw::{four_depths, parse_name};
 use edof_optics::layers::{MAX_LAYERS, from_depths};
@@ -211,7 +211,7 @@ pub fn captured(
     let sensor = Sensor {
         depth: depth.map_or(Ok(12), |v| whole(v, "depth", 8, 16))? as u32,
         phase: word(phase)?,
-        noise: noise.map_or(Ok(edof_image::Noise::None), self::noise)?,
+        noise: noise.map_or(Ok(edof_core::Noise::None), self::noise)?,
         seed: seed.map_or(Ok(0), |v| whole(v, "seed", 0, u64::MAX))?,
         black_level: black_level.map_or(Ok(0), |v| whole(v, "black_level", 0, u16::MAX.into()))? as u16,
     };

@@ -5,10 +5,10 @@ use crate::camera::camera;
 use crate::error::{OrRaise, failed, wrong_type};
 use crate::job;
 use crate::network::PyNetwork;
-use edof_image::ColourFrame;
+use edof_core::ColourFrame;
 use edof_network::{Network, form};
 use edof_quantize::capture::depths;
-use edof_storage::provenance::Provenance;
+use edof_core::storage::provenance::Provenance;
 use edof_train::dataset::Dataset;
 use edof_train::recipe::Recipe;
 use edof_train::threads::check_threads;
@@ -30,7 +30,7 @@ struct Report {
 /// What a training is of.
 struct Task {
     recipe: Recipe,
-    camera: edof_camera::Camera,
+    camera: edof_core::camera::Camera,
     pictures: Vec<ColourFrame>,
     psis: Vec<f64>,
     threads: usize,

@@ -1,8 +1,8 @@
 //! The real binary in a folder of its own.
 
-use edof_camera::Camera;
-use edof_image::overlap::Overlap;
-use edof_image::{CfaPhase, ColourFrame, RawFrame, Stride, Window};
+use edof_core::camera::Camera;
+use edof_core::overlap::Overlap;
+use edof_core::{CfaPhase, ColourFrame, RawFrame, Stride, Window};
 use edof_network::fixed_network::{FixedMatrix, FixedNetwork};
 use edof_network::network::{Form, Network, Origin, Recurrence, Shrinkage};
 use edof_network::weight_file;

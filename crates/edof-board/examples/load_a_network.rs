@@ -3,13 +3,13 @@
 use edof_board::load::Job;
 use edof_board::simulated::Shown;
 use edof_board::{Board, Simulated, link};
+use edof_core::{CfaPhase, RawFrame};
 use edof_device::Design;
 use edof_golden::{Display, Golden};
-use edof_image::{CfaPhase, RawFrame};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let design = Design::from_json(include_str!("../../../designs/tiny.json"))?;
-    let [old, new] = [1, 2].map(|seed| edof_random::for_design(&design, seed));
+    let [old, new] = [1, 2].map(|seed| edof_device::random::for_design(&design, seed));
     let raw = RawFrame::from_values(ndarray::Array2::from_elem((48, 64), 700), 12, CfaPhase::Rggb)?;
 
     // On a bench: edof_board::line::Serial::open("/dev/ttyUSB0", 921_600)?

@@ -3,6 +3,7 @@
 //! A host's bank, `a` or `b`, is a set of all stages: weights, thresholds, shifts. A part is what one command reads back: a bank of four
 //! lanes' weights, a stage's thresholds, those of the stage before, or its shifts.
 
+use edof_core::display::LUMA_ENTRIES;
 use edof_device::design::memory::{self, Set, Shifts, Space, TABLES};
 use edof_device::design::reading::{
     TABLE_ENTRIES, TABLE_ROWS, bank_rows, crc, read_command, table_bank, table_rows,
@@ -11,7 +12,6 @@ use edof_device::design::stage::Kind;
 use edof_device::design::{Design, StagePlan};
 use edof_device::registers::map::{DISPLAY_TABLES, WEIGHTS};
 use edof_golden::Display;
-use edof_image::display::LUMA_ENTRIES;
 use edof_network::FixedNetwork;
 
 /// One of the two banks, as the host calls them.
@@ -214,7 +214,7 @@ mod tests {
     #[test]
     fn all_parts_together_are_all_words_of_a_set() {
         for design in designs() {
-            let network = edof_random::for_design(&design, 3);
+            let network = edof_device::random::for_design(&design, 3);
             for set in [Set::First, Set::Second] {
                 let parts = parts(&design, &network, set);
                 let words: BTreeMap<u32, u32> = parts.iter().flat_map(Part::words).collect();
@@ -253,7 +253,8 @@ mod tests {
     #[test]
     fn words_that_differ_are_distinguished_from_those_that_do_not() {
         let [design, _] = designs();
-        let (one, mut network) = (edof_random::for_design(&design, 1), edof_random::for_design(&design, 1));
+        let (one, mut network) =
+            (edof_device::random::for_design(&design, 1), edof_device::random::for_design(&design, 1));
         network.thresholds[1][3] ^= 1;
         let (old, new) = (parts(&design, &one, Set::First), parts(&design, &network, Set::First));
         let unlike: Vec<(u32, u32)> =

@@ -1,7 +1,7 @@
 //! A line on which one thing goes wrong at one byte: to see what a host makes of it.
 
 use crate::line::Line;
-use edof_image::draw::Draw;
+use edof_core::draw::Draw;
 use std::io;
 use std::time::Duration;
 

@@ -17,6 +17,7 @@
 //! | video chips | [`chips`], [`diagnosis`], [`align`] | their registers, what they miss in words, the receiver's clock where it works |
 //! | a board in Rust | [`simulated`] | the same registers and memories, pictures of the golden pipeline ([`Simulated`]) |
 //! | what may go wrong | [`faulty`] | a line that loses, doubles or changes a byte, a host that ends, a board that is reset |
+//! | models of the chips around the FPGA, which judge set-ups | [`chip_models`] |
 //! | as a device | [`terminal`] | a simulated board behind a pseudo-terminal |
 //!
 //! ```
@@ -24,10 +25,10 @@
 //! use edof_board::{Board, Simulated, link};
 //! use edof_golden::Display;
 //! use edof_device::Design;
-//! use edof_image::{CfaPhase, RawFrame};
+//! use edof_core::{CfaPhase, RawFrame};
 //!
 //! let design = Design::from_json(include_str!("../../../designs/tiny.json"))?;
-//! let [old, new] = [1, 2].map(|seed| edof_random::for_design(&design, seed));
+//! let [old, new] = [1, 2].map(|seed| edof_device::random::for_design(&design, seed));
 //! let raw = RawFrame::from_values(ndarray::Array2::from_elem((48, 64), 700), 12, CfaPhase::Rggb)?;
 //! let line = Simulated::new(&design, [&old, &old], &Display::default(), raw, 921_600)?;
 //! // On a bench: edof_board::line::Serial::open("/dev/ttyUSB0", 921_600)?
@@ -46,6 +47,7 @@
 pub mod align;
 pub mod board;
 pub mod check;
+pub mod chip_models;
 pub mod chips;
 pub mod contents;
 pub mod diagnosis;

@@ -1,6 +1,6 @@
 //! The one line that a failure prints.
 
-use edof_storage::folder::FolderError;
+use edof_core::storage::folder::FolderError;
 use std::fmt;
 
 /// Why a sub-command stopped: any error of ours, a message, or Ctrl-C. Always shown as one line.

@@ -6,8 +6,8 @@ use crate::error::Error;
 use crate::kind::Kind;
 use crate::ui::Ui;
 use crate::weights;
+use edof_core::storage::atomic;
 use edof_io::picture::{self, Format};
-use edof_storage::atomic;
 use std::path::{Path, PathBuf};
 
 /// Whether results of an earlier run may be replaced: an option of every command that takes minutes.

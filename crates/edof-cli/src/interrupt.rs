@@ -4,8 +4,8 @@
 
 use crate::error::Error;
 use crate::{threads, ui};
+use edof_core::storage::atomic;
 use edof_cosim::tool;
-use edof_storage::atomic;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};

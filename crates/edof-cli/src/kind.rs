@@ -1,8 +1,8 @@
 //! What an output may replace: a file of its own kind, known by its content. A result must not take the place of a photograph whose name
 //! was given by mistake.
 
+use edof_core::storage::input;
 use edof_io::picture::Format;
-use edof_storage::input;
 use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};

@@ -49,8 +49,8 @@ mod windows;
 mod words;
 
 use clap::{ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
+use edof::presets::{designs, lens, weights};
 use edof_network::form;
-use edof_presets::{designs, lens, weights};
 use error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -34,6 +34,6 @@ impl Npz {
     /// When it cannot be written.
     pub fn save(self, path: &Path) -> Result<(), Error> {
         let bytes = self.0.finish()?.into_inner();
-        Ok(edof_storage::atomic::write(path, &bytes)?)
+        Ok(edof_core::storage::atomic::write(path, &bytes)?)
     }
 }

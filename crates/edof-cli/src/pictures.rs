@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::ui::Ui;
-use edof_image::{ColourFrame, Tone};
+use edof_core::{ColourFrame, Tone};
 use edof_io::photo::{self, Photograph};
 use edof_io::transfer::Transfer;
 use std::path::Path;

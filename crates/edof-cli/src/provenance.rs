@@ -4,7 +4,7 @@
 use crate::effects;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command};
-use edof_storage::provenance::{Host, Provenance};
+use edof_core::storage::provenance::{Host, Provenance};
 use edof_study::journal::{Program, UNKNOWN};
 
 /// Options that no byte of a result depends on: paths of files, amount of output, number of threads.

@@ -2,9 +2,9 @@
 
 use crate::error::Error;
 use crate::lens::Depth;
-use edof_camera::Camera;
-use edof_image::words::number;
-use edof_image::{Stride, Window};
+use edof_core::camera::Camera;
+use edof_core::words::number;
+use edof_core::{Stride, Window};
 use edof_optics::design::DesignError as LensDesignError;
 use edof_optics::psf::{self, NoPsf};
 use edof_train::dataset::DatasetError;

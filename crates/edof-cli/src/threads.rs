@@ -31,7 +31,10 @@ pub fn install() {
             0 => "the main thread does all work".to_owned(),
             count => format!("{count} of {wanted} threads do all work"),
         };
-        ui::note(&format!("cannot start more threads: {}; {who}", edof_storage::atomic::reason(&error)));
+        ui::note(&format!(
+            "cannot start more threads: {}; {who}",
+            edof_core::storage::atomic::reason(&error)
+        ));
     }
 }
 

@@ -1,7 +1,7 @@
 //! What the user sees: results on standard output (text, or JSON where asked), progress and remarks on standard error.
 
 use crate::error::Error;
-use edof_storage::provenance::{Input, Provenance};
+use edof_core::storage::provenance::{Input, Provenance};
 use edof_study::journal::Maker;
 use edof_study::made::Made;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -140,7 +140,7 @@ impl Ui {
         if self.json_on_stdout() {
             print(&text)?;
         } else {
-            edof_storage::atomic::write(path, text.as_bytes())?;
+            edof_core::storage::atomic::write(path, text.as_bytes())?;
         }
         Ok(())
     }
@@ -166,7 +166,7 @@ impl Ui {
             print(&text)?;
             return Ok(());
         }
-        let failed = |source| edof_storage::atomic::WriteError { path: path.clone(), source };
+        let failed = |source| edof_core::storage::atomic::WriteError { path: path.clone(), source };
         let mut file = self.lines.lock().unwrap_or_else(PoisonError::into_inner);
         if first || file.is_none() {
             *file = Some(std::fs::File::create(path).map_err(failed)?);

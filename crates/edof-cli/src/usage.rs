@@ -57,7 +57,7 @@ fn in_one_line(text: &str) -> String {
 fn help(text: &clap::Error) -> i32 {
     match text.print().and_then(|()| std::io::stdout().flush()) {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
-            eprintln!("edof: standard output: cannot write: {}", edof_storage::atomic::reason(&e));
+            eprintln!("edof: standard output: cannot write: {}", edof_core::storage::atomic::reason(&e));
             1
         }
         _ => 0,

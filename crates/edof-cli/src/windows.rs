@@ -5,13 +5,13 @@ use crate::lens::Depth;
 use crate::pictures::{self, Tones};
 use crate::said;
 use crate::ui::Ui;
-use edof_image::{Noise, RawFrame, Tone};
+use edof_core::storage::provenance::Input;
+use edof_core::{Noise, RawFrame, Tone};
 use edof_network::FixedNetwork;
 use edof_optics::capture::{Approximation, capture};
 use edof_optics::draw::{Builtin, draw};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
-use edof_storage::provenance::Input;
 use std::path::PathBuf;
 
 /// Size of the built-in scene: 1536 patches at stride 8.

@@ -2,9 +2,9 @@
 
 use crate::error::Error;
 use crate::npz::Npz;
+use edof_core::Frame422;
 use edof_golden::Picture;
 use edof_golden::words::Boundary;
-use edof_image::Frame422;
 use std::path::{Path, PathBuf};
 
 /// The file in a folder.

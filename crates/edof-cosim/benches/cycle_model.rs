@@ -7,6 +7,7 @@
 //! `cargo bench -p edof-cosim`. Throughput is in cycles of the clock; the ratio of the two medians is what the model gains.
 
 use divan::{Bencher, counter::ItemsCount};
+use edof_core::draw::Draw;
 use edof_cosim::Source;
 use edof_cosim::chain::device::{Beat, Inputs};
 use edof_cosim::chain::second::rows;
@@ -15,7 +16,6 @@ use edof_device::Design;
 use edof_device::design::memory::Set;
 use edof_golden::cycle::{Cycle, Patch};
 use edof_hdl::project;
-use edof_image::draw::Draw;
 use edof_network::{FixedNetwork, weight_file};
 use std::path::Path;
 
@@ -81,7 +81,7 @@ impl Case {
             Some((_, weights)) if *weights != "drawn" => {
                 weight_file::load_fixed(&root.join(format!("weights/{weights}.fixed.safetensors")))?
             }
-            _ => edof_random::for_design(&design, 1),
+            _ => edof_device::random::for_design(&design, 1),
         };
         let patches = patches(&design);
         Ok(Self { design, network, patches })

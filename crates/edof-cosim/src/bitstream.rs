@@ -2,6 +2,8 @@
 
 use crate::promise;
 use crate::system::{self, PictureError, TableWords};
+use edof_core::draw::Draw;
+use edof_core::storage::folder::{self, Contents, FolderError};
 use edof_device::Design;
 use edof_device::design::DesignError;
 use edof_device::registers::identity;
@@ -12,9 +14,7 @@ use edof_hdl::board::Identity;
 use edof_hdl::kc705::{self, Kc705};
 use edof_hdl::litex;
 use edof_hdl::project::ProjectError;
-use edof_image::draw::Draw;
 use edof_network::FixedNetwork;
-use edof_storage::folder::{self, Contents, FolderError};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -190,7 +190,7 @@ fn project(
 fn windows(design: &Design, network: &FixedNetwork) -> (Vec<Vec<i16>>, Vec<Vec<i16>>) {
     let (draw, pixels) = (&mut Draw::new(1), design.form.window.pixels());
     let window = |i: usize| match i % 3 {
-        0 => edof_random::extreme_window(draw, pixels),
+        0 => edof_device::random::extreme_window(draw, pixels),
         _ => (0..pixels).map(|_| draw.whole(0, 4_000) as i16).collect(),
     };
     let windows: Vec<Vec<i16>> = (0..TRIED).map(window).collect();

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, at};
 use crate::work;
-use edof_storage::atomic::WorkFolder;
+use edof_core::storage::atomic::WorkFolder;
 use sha2::{Digest, Sha256};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 //! What can go wrong between Verilog text and a simulation's outputs.
 
-use edof_storage::atomic::reason;
+use edof_core::storage::atomic::reason;
 use std::path::{Path, PathBuf};
 
 /// Why a design was not built, run, checked or mapped.

@@ -1,6 +1,8 @@
 //! What a design takes: cycles from the cycle model on raw frames, cells from counting them.
 
 use crate::chain::check::stage_names;
+use edof_core::RawFrame;
+use edof_core::geometry::GeometryError;
 use edof_device::Design;
 use edof_device::design::memory::Set;
 use edof_golden::cycle::estimate::{Estimate, estimate};
@@ -8,8 +10,6 @@ use edof_golden::cycle::{Cycle, CycleError, Patch, Summary};
 use edof_golden::video::figures::{CoreCycles, Figures, Periods, figures};
 use edof_golden::windows;
 use edof_hdl::resources::{self, Resources, XC7K325T};
-use edof_image::RawFrame;
-use edof_image::geometry::GeometryError;
 use edof_network::FixedNetwork;
 use serde_json::{Value, json};
 use std::ops::ControlFlow;

@@ -1,6 +1,8 @@
 //! Foldings of a network that fit a device, and what each takes on raw frames.
 
 use crate::estimate::MeasureError;
+use edof_core::colour::OUTPUTS_422;
+use edof_core::{Geometry, RawFrame};
 use edof_device::Design;
 use edof_device::design::memory::Set;
 use edof_device::design::{DesignError, FrameSize, StageSize};
@@ -8,8 +10,6 @@ use edof_golden::cycle::explore::{cycles_per_patch, foldings};
 use edof_golden::cycle::{Cycle, Patch};
 use edof_golden::windows;
 use edof_hdl::resources::{self, Resources, XC7K325T};
-use edof_image::colour::OUTPUTS_422;
-use edof_image::{Geometry, RawFrame};
 use edof_network::FixedNetwork;
 use std::ops::ControlFlow;
 

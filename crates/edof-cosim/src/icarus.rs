@@ -3,7 +3,7 @@
 use crate::error::{Error, at};
 use crate::rows::{Layout, Rows, Slot, mask};
 use crate::{Source, mutant, tool, work};
-use edof_storage::atomic::WorkFolder;
+use edof_core::storage::atomic::WorkFolder;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;

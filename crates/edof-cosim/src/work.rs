@@ -1,7 +1,7 @@
 //! Folders for what tools read and write.
 
 use crate::error::{Error, at};
-use edof_storage::atomic::{self, WorkFolder};
+use edof_core::storage::atomic::{self, WorkFolder};
 
 /// A fresh folder among the system's temporary ones. (Not in a user's own: make rejects paths with spaces.)
 pub fn folder() -> Result<WorkFolder, Error> {

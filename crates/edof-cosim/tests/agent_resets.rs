@@ -1,9 +1,9 @@
 //! The memory's agents after resets at any moment: frames are whole, counters begin at zero, and no buffer is read.
 
 use crate::agents::{Rig, frame, frames, source};
+use edof_core::draw::Draw;
 use edof_cosim::bench::{Behaviour, Coupling};
 use edof_cosim::{Error, Source};
-use edof_image::draw::Draw;
 
 /// Frames, a reset of the agents (with `memory_too`, of the memory) at a random moment, and the same frames once more.
 fn reset_in_between(source: &Source, behaviour: Behaviour, seed: u64, memory_too: bool) -> Result<(), Error> {

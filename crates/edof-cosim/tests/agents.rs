@@ -4,13 +4,13 @@
 //! broken or answered by an error never comes out; the counters say how many there were of each. The memory lives through every reset.
 
 use crate::support;
+use edof_core::draw::Draw;
 use edof_cosim::bench::{Actor, Beat, Behaviour, Bench, Coupling, Mark, Memory, Receiver, Sender, Throttle};
 use edof_cosim::verilator::{Library, Start};
 use edof_cosim::{Error, Source, lint};
 use edof_device::fifos::agent_words;
 use edof_hdl::board::{AxiPair, Frames, ReadAgent, WriteAgent};
 use edof_hdl::ports::{AxiReadMaster, AxiWriteMaster, StreamIn, StreamOut};
-use edof_image::draw::Draw;
 use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 use std::path::Path;

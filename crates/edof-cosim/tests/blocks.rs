@@ -2,6 +2,7 @@
 
 use crate::common::{committed, networks};
 use crate::differential::{RESET, agree, agree_with_images, bit, ported, resets, word};
+use edof_core::draw::Draw;
 use edof_device::Design;
 use edof_device::design::memory::{self, Shifts, Space};
 use edof_device::design::{StagePlan, reading};
@@ -29,7 +30,6 @@ use edof_hdl::blocks::stage::Stage;
 use edof_hdl::blocks::window_guard::WindowGuard;
 use edof_hdl::blocks::window_ring::WindowRing;
 use edof_hdl::crossing::reset_sync::RESET_CYCLES;
-use edof_image::draw::Draw;
 use edof_network::FixedNetwork;
 use edof_network::network::{Recurrence, Shrinkage};
 use edof_verilog::describe::Circuit;

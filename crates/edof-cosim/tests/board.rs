@@ -1,12 +1,12 @@
 //! The generated directory of a board: it builds and tries itself with nothing but tools, and its parts fit each other.
 
 use crate::common::committed;
+use edof_core::draw::Draw;
 use edof_cosim::system::{self, TableWords};
 use edof_golden::{Display, scalar};
 use edof_hdl::benches::Recorded;
 use edof_hdl::board::Identity;
 use edof_hdl::kc705::{self, Kc705};
-use edof_image::draw::Draw;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -28,12 +28,12 @@ impl Place {
 /// The sources of a design with a random network.
 pub fn project(design: &str) -> Kc705 {
     let design = committed(design);
-    let network = edof_random::for_design(&design, 1);
+    let network = edof_device::random::for_design(&design, 1);
     let display = Display::default();
     let words = TableWords::of(&display);
     let draw = &mut Draw::new(1);
     let windows: Vec<Vec<i16>> =
-        (0..12).map(|_| edof_random::extreme_window(draw, design.form.window.pixels())).collect();
+        (0..12).map(|_| edof_device::random::extreme_window(draw, design.form.window.pixels())).collect();
     let patches = windows.iter().map(|window| scalar::run(&network, window).output).collect();
     let identity = Identity {
         design_hash: 1,

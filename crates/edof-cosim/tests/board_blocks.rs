@@ -3,6 +3,8 @@
 
 use crate::differential::{RESET, agree, bit, ported, word};
 use crate::support;
+use edof_core::draw::Draw;
+use edof_core::{RawFrame, Stride};
 use edof_cosim::bench::{Actor, Beat, Bench, ClockId, Receiver, Sender, Throttle};
 use edof_cosim::verilator::{Library, Model, Start};
 use edof_cosim::{Error, Source};
@@ -15,8 +17,6 @@ use edof_hdl::board::{
     ClockWatch, CycleCount, I2cMaster, PatternSource, PictureWindow, UartBus, UartReceiver,
 };
 use edof_hdl::video::table_reader::TableReader;
-use edof_image::draw::Draw;
-use edof_image::{RawFrame, Stride};
 use edof_verilog::describe::Circuit;
 use ndarray::Array2;
 use rust_hdl::prelude::*;

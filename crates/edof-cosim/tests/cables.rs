@@ -4,13 +4,14 @@
 use crate::common::{committed, networks};
 use crate::support;
 use edof_board::Board;
+use edof_board::chip_models::adv7511::State as Sending;
+use edof_board::chip_models::adv7611::State;
+use edof_board::chip_models::hdmi::{Coding, Pixel, rgb_of};
+use edof_board::chip_models::source::{Picture, State as Playing};
+use edof_board::chip_models::{Delays, Imageon, Kc705, LowHotPlug, Screen, Source};
 use edof_board::chips::{Bus, ChipRegister};
 use edof_board::link::PATIENCE;
-use edof_chips::adv7511::State as Sending;
-use edof_chips::adv7611::State;
-use edof_chips::hdmi::{Coding, Pixel, rgb_of};
-use edof_chips::source::{Picture, State as Playing};
-use edof_chips::{Delays, Imageon, Kc705, LowHotPlug, Screen, Source};
+use edof_core::{DisplayMode, RawFrame, Stride, cable};
 use edof_cosim::system::cables::{self, Cables, Compiled, PACE, cable_timing};
 use edof_cosim::system::{drawn, leisurely, picture};
 use edof_device::Design;
@@ -20,11 +21,10 @@ use edof_device::i2c::{Action, depth, programs};
 use edof_device::video::VideoTiming;
 use edof_golden::{Curve, Display, Golden};
 use edof_hdl::project::Project;
-use edof_image::{DisplayMode, RawFrame, Stride, cable};
 use first_tables::{FIRST_IMAGEON, FIRST_KC705};
 use std::sync::LazyLock;
 
-#[path = "../../edof-chips/tests/chips/first_tables.rs"]
+#[path = "../../edof-board/tests/chips/first_tables.rs"]
 mod first_tables;
 
 /// The design's project, the one frame that its source sends, and what the screen must show.

@@ -2,6 +2,8 @@
 
 use crate::edof_core::{Setup, design};
 use crate::frame_checks::FrameChecks;
+use edof_core::draw::Draw;
+use edof_core::{DisplayMode, RawFrame};
 use edof_cosim::bench::axi_lite::Access;
 use edof_cosim::system::{Rig, drawn};
 use edof_device::design::memory::{self, Set, Space};
@@ -9,8 +11,6 @@ use edof_device::design::reading::{
     READ_BACK, READ_REGISTER, ReadBack, bank_rows, crc, read_back_address, read_command,
 };
 use edof_device::registers::map::{self, DISPLAY_TABLES, STAGE_READS, WEIGHTS};
-use edof_image::draw::Draw;
-use edof_image::{DisplayMode, RawFrame};
 
 /// Edges after which a clock that stands still is known to: 4096 cycles of the memory's, and those of the other clocks meanwhile.
 const NOTICED: usize = 20_000;
@@ -189,7 +189,7 @@ fn while_the_screens_clock_stands_weights_are_loaded_and_pictures_made() {
     trial.rig.steps(NOTICED).unwrap();
     let made = trial.rig.register("picture_frames").unwrap();
     // A whole network that the board has not seen, into the bank that is not in use.
-    let network = edof_random::for_design(&trial.setup.design, 24);
+    let network = edof_device::random::for_design(&trial.setup.design, 24);
     assert_ne!(trial.setup.sets[1], network);
     for (address, word) in memory::writes(&trial.setup.design, &network, Set::Second) {
         trial.rig.access(Access::Write(WEIGHTS.word(address), word)).unwrap();

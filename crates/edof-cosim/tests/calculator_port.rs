@@ -1,11 +1,11 @@
 //! The host's way into the calculator's clock: an access is carried out once and answered with what it asked for, or fails.
 
 use crate::board_blocks::{model, source};
+use edof_core::draw::Draw;
 use edof_cosim::bench::{Actor, Bench, ClockId};
 use edof_cosim::verilator::Model;
 use edof_cosim::{Error, Source};
 use edof_hdl::board::CalculatorPort;
-use edof_image::draw::Draw;
 use std::collections::VecDeque;
 
 /// The host: offers one access after the other until it is answered.

@@ -2,13 +2,13 @@
 
 use crate::common;
 use crate::common::{Recorded, Setup, committed, expect_clean, patches};
+use edof_core::draw::Draw;
+use edof_core::{Stride, Window};
 use edof_cosim::chain::Drive;
 use edof_device::Design;
 use edof_device::design::{FrameSize, StageSize};
 use edof_golden::cycle::Stalls;
 use edof_golden::{Counts, scalar};
-use edof_image::draw::Draw;
-use edof_image::{Stride, Window};
 use edof_network::network::Form;
 use edof_network::network::Recurrence::{self, Difference, Direct};
 use edof_network::network::Shrinkage::{self, OneSided, TwoSided};

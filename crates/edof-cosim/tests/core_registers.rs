@@ -3,6 +3,9 @@
 use crate::edof_core::{Setup, design};
 use crate::frame_checks::FrameChecks;
 use crate::planted_faults::replaced;
+use edof_core::DisplayMode;
+use edof_core::cable::carried;
+use edof_core::draw::Draw;
 use edof_cosim::bench::axi_lite::Access;
 use edof_cosim::system::{Rig, RigConfig, drawn};
 use edof_device::design::memory;
@@ -10,9 +13,6 @@ use edof_device::pattern::{TILE, TILE_SIDE};
 use edof_device::registers::map::{self, PICTURE_PIXELS, TILE_PIXELS, WEIGHTS};
 use edof_golden::video::pattern;
 use edof_golden::{Curve, Display, Golden};
-use edof_image::DisplayMode;
-use edof_image::cable::carried;
-use edof_image::draw::Draw;
 use ndarray::Array2;
 
 /// A register without fields is the whole word, else the bits of its fields.

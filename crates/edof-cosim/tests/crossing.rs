@@ -1,12 +1,12 @@
 //! Clock-domain crossings: unrelated clocks, changes seen one edge later at random, resets at any time.
 
 use crate::support;
+use edof_core::draw::Draw;
 use edof_cosim::bench::{Actor, Beat, Bench, ClockId, Receiver, Sender, Throttle};
 use edof_cosim::verilator::{Library, Model, Start};
 use edof_cosim::{Error, Source};
 use edof_hdl::crossing::reset_sync::RESET_CYCLES;
 use edof_hdl::crossing::{BusSync, PixelFifo, PulseSync, ResetSync, Sync};
-use edof_image::draw::Draw;
 use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 

@@ -2,12 +2,12 @@
 
 use crate::crossing::{Listener, PERIODS, PulseSource, altered};
 use crate::support;
+use edof_core::draw::Draw;
 use edof_cosim::Source;
 use edof_cosim::bench::{Actor, Beat, Bench, ClockId, Receiver, Sender, Throttle};
 use edof_cosim::verilator::{Library, Start};
 use edof_hdl::crossing::{BusSync, PixelFifo, PulseSync, ResetSync};
 use edof_hdl::ports::{StreamIn, StreamOut};
-use edof_image::draw::Draw;
 use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 

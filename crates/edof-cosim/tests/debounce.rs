@@ -1,9 +1,9 @@
 //! The button's debouncing against its law: the level follows the line once that has been different for 2^n cycles.
 
 use crate::support;
+use edof_core::draw::Draw;
 use edof_cosim::verilator::{Library, Start};
 use edof_cosim::{Port, Source};
-use edof_image::draw::Draw;
 
 const LOG_CYCLES: usize = 3;
 

@@ -4,6 +4,8 @@
 
 use crate::common::{committed, networks};
 use crate::support;
+use edof_core::draw::Draw;
+use edof_core::{DisplayMode, Geometry, RawFrame, Stride, Window};
 use edof_cosim::bench::Behaviour;
 use edof_cosim::bench::axi_lite::Access;
 use edof_cosim::chain::device::status_address;
@@ -22,8 +24,6 @@ use edof_golden::video::figures::{CoreCycles, Periods, figures};
 use edof_golden::video::video_out::BLACK_PIXEL;
 use edof_golden::{Curve, Display, Golden, windows};
 use edof_hdl::project::Project;
-use edof_image::draw::Draw;
-use edof_image::{DisplayMode, Geometry, RawFrame, Stride, Window};
 use edof_network::FixedNetwork;
 
 pub fn design(window: usize, stride: usize, (width, height): (usize, usize)) -> Design {

@@ -1,11 +1,11 @@
 //! Syncs that come inside of the pixels: what comes out are the pixels between the codes, and blanking where the codes say so.
 
 use crate::support;
+use edof_core::draw::Draw;
 use edof_cosim::Source;
 use edof_cosim::verilator::{Library, Start};
 use edof_golden::video::SyncCodes;
 use edof_hdl::board::EmbeddedSyncs;
-use edof_image::draw::Draw;
 
 /// The four words before a line's pixels, or after them.
 fn code(vertical: bool, ends: bool) -> [u16; 4] {

@@ -1,13 +1,13 @@
 //! The CRCs by which the host knows that a frame passed the core, and those that it must find.
 
 use crate::edof_core::Setup;
+use edof_core::cable::carried;
+use edof_core::{DisplayMode, RawFrame};
 use edof_cosim::bench::axi_lite::Access;
 use edof_cosim::system::Rig;
 use edof_device::design::memory;
 use edof_device::registers::map::WEIGHTS;
 use edof_golden::{Curve, Display, Golden};
-use edof_image::cable::carried;
-use edof_image::{DisplayMode, RawFrame};
 
 /// Where a frame is taken, cut into windows, made into codes and sent.
 const NAMES: [&str; 4] = ["check_raw", "check_windows", "check_codes", "check_sent"];

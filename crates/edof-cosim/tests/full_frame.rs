@@ -2,6 +2,7 @@
 //! The calculator alone is a small one of two stages, so that a simulation ends; it keeps up with the camera as that of `kc705` does.
 
 use crate::common::{committed, networks};
+use edof_core::DisplayMode;
 use edof_cosim::bench::Behaviour;
 use edof_cosim::system::{self, Compiled, Rig, RigConfig, compare, drawn, sent};
 use edof_cosim::verilator::Options;
@@ -11,7 +12,6 @@ use edof_device::video::VideoTiming;
 use edof_golden::video::figures::Periods;
 use edof_golden::{Curve, Display, Golden};
 use edof_hdl::project::{self, Project};
-use edof_image::DisplayMode;
 use edof_network::network::Form;
 use std::collections::BTreeSet;
 use std::time::Instant;

@@ -2,13 +2,13 @@
 
 use crate::common::traffic::{Traffic, cycle, reset, write};
 use crate::common::{Setup, committed, expect_clean, patches, root};
+use edof_core::draw::Draw;
 use edof_cosim::chain::{Drive, Inputs};
 use edof_device::design::StagePlan;
 use edof_device::design::memory::{self, Space};
 use edof_device::design::reading::{READ_REGISTER, ReadBack, crc, read_back_address, read_command};
 use edof_device::design::timing::{READ_LATENCY, READ_PERIOD};
 use edof_golden::cycle::Stalls;
-use edof_image::draw::Draw;
 use edof_network::weight_file;
 use std::collections::BTreeSet;
 
@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 fn setup(name: &str, weights: &str) -> Setup {
     let design = committed(name);
     let file = root().join(format!("weights/{weights}.fixed.safetensors"));
-    let extreme = edof_random::for_design(&design, 1);
+    let extreme = edof_device::random::for_design(&design, 1);
     Setup::new_with(design, [weight_file::load_fixed(&file).unwrap(), extreme])
 }
 

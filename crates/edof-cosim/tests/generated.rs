@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 fn generated(name: &str) -> Project {
     let design = committed(name);
-    let network = edof_random::for_design(&design, 1);
+    let network = edof_device::random::for_design(&design, 1);
     project::calculator(&design, [&network, &network]).unwrap()
 }
 

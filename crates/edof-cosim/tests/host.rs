@@ -2,6 +2,7 @@
 
 use crate::common::committed;
 use crate::support;
+use edof_core::draw::Draw;
 use edof_cosim::bench::axi_lite::{Access, Answer};
 use edof_cosim::bench::{Actor, Bench, ClockId, Host, Serial, Throttle};
 use edof_cosim::verilator::{Library, Model, Start};
@@ -15,7 +16,6 @@ use edof_device::registers::map::{
 use edof_device::registers::{self, Window};
 use edof_hdl::board::{BoardRegisters, Identity, UartBus};
 use edof_hdl::ports::AxiLiteMaster;
-use edof_image::draw::Draw;
 use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 use std::collections::BTreeMap;

@@ -2,12 +2,12 @@
 
 use crate::support;
 use edof_board::simulated::setup::{ChipBus, Setup};
+use edof_core::draw::Draw;
 use edof_cosim::bench::{Actor, Bench, ClockId};
 use edof_cosim::verilator::{Library, Model, Start};
 use edof_cosim::{Error, Source};
 use edof_device::i2c::{self, Action, Cause, Entry};
 use edof_hdl::board::{ChipSetup, Pace};
-use edof_image::draw::Draw;
 use std::collections::BTreeMap;
 
 /// Short bits and milliseconds make a short simulation.

@@ -1,8 +1,8 @@
 //! Random programs of the chips' set-up: what the chips get and what stays in the slots is the model's.
 
 use crate::i2c::{Chips, Rig, modelled};
+use edof_core::draw::Draw;
 use edof_device::i2c::{Action, Entry};
-use edof_image::draw::Draw;
 
 /// Steps of every kind, then every slot and setting written out.
 fn random_program(draw: &mut Draw) -> Vec<Entry> {

@@ -19,7 +19,7 @@ fn weights(name: &str) -> FixedNetwork {
 #[test]
 fn tiny() {
     let design = committed("tiny");
-    is_clean(&design, &edof_random::for_design(&design, 1));
+    is_clean(&design, &edof_device::random::for_design(&design, 1));
 }
 
 #[test]

@@ -2,12 +2,12 @@
 
 use crate::edof_core::{Setup, burst_begins, design, is_whole_or_cut, shifts};
 use crate::frame_checks::FrameChecks;
+use edof_core::DisplayMode;
+use edof_core::draw::Draw;
 use edof_cosim::bench::Behaviour;
 use edof_cosim::system::{Rig, drawn};
 use edof_device::design::memory::Shifts;
 use edof_golden::video::video_out::BLACK_PIXEL;
-use edof_image::DisplayMode;
-use edof_image::draw::Draw;
 
 const LOSSES: usize = 20;
 

@@ -2,12 +2,12 @@
 
 use crate::common::traffic::{Traffic, cycle, reset, write};
 use crate::common::{Setup, committed, expect_clean, misfits, moderate, patches};
+use edof_core::draw::Draw;
 use edof_cosim::chain::device::status_address;
 use edof_cosim::chain::{Device, Drive, Inputs};
 use edof_device::Design;
 use edof_device::design::memory::{self, SNAPSHOT, Set, Space, WHOLE_CHAIN};
 use edof_golden::cycle::{Stalls, Summary};
-use edof_image::draw::Draw;
 
 /// Windows of any length for some hundred cycles, at any pace: an end that leaves anything in any place.
 fn disturb(device: &mut impl Device, design: &Design, draw: &mut Draw) {

@@ -4,11 +4,11 @@
 use crate::agents;
 use crate::common::{Setup, committed, expect_clean, moderate, patches};
 use crate::support;
+use edof_core::draw::Draw;
 use edof_cosim::chain::Drive;
 use edof_cosim::verilator::{Library, Start};
 use edof_cosim::{Port, Source, yosys};
 use edof_golden::cycle::Stalls;
-use edof_image::draw::Draw;
 
 #[test]
 #[ignore = "minutes: scripts/soak.sh"]

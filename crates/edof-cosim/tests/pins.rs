@@ -1,13 +1,13 @@
 //! The blocks at the pins, cycle by cycle against their models, and what their users rely on: frames arrive whole or are marked as broken, whatever happens to the cable.
 
 use crate::streams::{Bench, Compiled};
+use edof_core::Stride;
+use edof_core::draw::Draw;
 use edof_device::design::FrameSize;
 use edof_device::video::{Axis, VideoTiming};
 use edof_golden::video::{Pins, VideoIn as InModel, VideoOut as OutModel};
 use edof_hdl::video::video_in::VideoIn;
 use edof_hdl::video::video_out::VideoOut;
-use edof_image::Stride;
-use edof_image::draw::Draw;
 
 const FRAME: FrameSize = FrameSize { width: 18, height: 12, stride: Stride::PATCH };
 const PATIENCE: u32 = 3_000;

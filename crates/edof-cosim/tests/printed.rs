@@ -1,6 +1,7 @@
 //! The style of what is printed (docs/verilog-style.md), and that it means what the kernels say word by word.
 
 use crate::common::committed;
+use edof_core::DisplayMode;
 use edof_cosim::system::TableWords;
 use edof_cosim::system::cables::PACE;
 use edof_cosim::tool;
@@ -10,7 +11,6 @@ use edof_hdl::board::{EdofCore, Identity, Kc705Core};
 use edof_hdl::leaves::LEAVES;
 use edof_hdl::project::spacious;
 use edof_hdl::verilog::{Emitted, Module, emit, emit_literally};
-use edof_image::DisplayMode;
 use rust_hdl::prelude::Block;
 use std::fs;
 use std::path::Path;
@@ -24,7 +24,7 @@ const CONDITION: usize = 60;
 
 fn chain(name: &str) -> Chain {
     let design = committed(name);
-    let network = edof_random::for_design(&design, 1);
+    let network = edof_device::random::for_design(&design, 1);
     let mut chain = Chain::checked(&design, [&network, &network]).unwrap();
     chain.connect_all();
     chain
@@ -184,7 +184,7 @@ fn what_is_printed_of_kc705_equals_what_the_kernels_say() {
 #[ignore = "minutes: scripts/soak.sh"]
 fn what_is_printed_of_the_board_equals_what_the_kernels_say() {
     let design = committed("tiny");
-    let network = edof_random::for_design(&design, 1);
+    let network = edof_device::random::for_design(&design, 1);
     let display = Display::new(DisplayMode::Colour, Curve::Srgb);
     let (literal, printed) = spacious(|| {
         let words = TableWords::of(&display);

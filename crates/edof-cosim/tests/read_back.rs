@@ -2,6 +2,7 @@
 
 use crate::common::traffic::{Traffic, cycle, reset, write};
 use crate::common::{Setup, committed, expect_clean, for_set, moderate, patches};
+use edof_core::draw::Draw;
 use edof_cosim::chain::verilated::Verilated;
 use edof_cosim::chain::{Drive, Inputs};
 use edof_device::Design;
@@ -10,7 +11,6 @@ use edof_device::design::memory::{self, Set, Shifts, Space};
 use edof_device::design::reading::{self, ReadBack, read_back_address, read_command};
 use edof_device::design::timing::{READ_LATENCY, READ_PERIOD};
 use edof_golden::cycle::Stalls;
-use edof_image::draw::Draw;
 use edof_network::network::Recurrence;
 
 /// A chain, what else happens in it, and chance.

@@ -97,7 +97,7 @@ tee -q -o cells.json stat -json
 #[ignore = "minutes: scripts/soak.sh"]
 fn the_whole_core_of_kc705_has_neither_latch_nor_loop_nor_two_drivers_and_fits_the_board() {
     let design = committed("kc705");
-    let network = edof_random::for_design(&design, 1);
+    let network = edof_device::random::for_design(&design, 1);
     let project = system::project(&design, [&network, &network], &Display::default()).unwrap();
     let work = tempfile::tempdir().unwrap();
     for (name, text) in project.verilog.iter().chain(&project.memory) {

@@ -3,6 +3,7 @@
 
 use crate::common::{committed, moderate, networks, root};
 use crate::support;
+use edof_board::chip_models::{Eye, Imageon};
 use edof_board::diagnosis::findings;
 use edof_board::dry_run::plan;
 use edof_board::faulty::{Fault, Faulty, Resettable};
@@ -10,7 +11,8 @@ use edof_board::link::PATIENCE;
 use edof_board::load::Job;
 use edof_board::simulated::Shown;
 use edof_board::{Board, Error, Simulated};
-use edof_chips::{Eye, Imageon};
+use edof_core::draw::Draw;
+use edof_core::{DisplayMode, RawFrame, Stride, Window};
 use edof_cosim::system::{self, Speed, VerilogBoard};
 use edof_device::Design;
 use edof_device::design::FrameSize;
@@ -18,8 +20,6 @@ use edof_device::design::memory::Set;
 use edof_device::registers::map;
 use edof_golden::{Curve, Display, Golden};
 use edof_hdl::project::Project;
-use edof_image::draw::Draw;
-use edof_image::{DisplayMode, RawFrame, Stride, Window};
 use edof_network::{FixedNetwork, weight_file};
 use std::ops::ControlFlow;
 
@@ -150,7 +150,7 @@ impl Setup {
 
     /// A network of the same form as those at the start, and no other one's words.
     fn other(&self, seed: u64) -> FixedNetwork {
-        edof_random::for_design(&self.design, seed)
+        edof_device::random::for_design(&self.design, seed)
     }
 
     fn job<'a>(&'a self, network: &'a FixedNetwork) -> Job<'a> {

@@ -2,14 +2,14 @@
 
 use crate::common::{committed, networks};
 use crate::streams::{Beat, Compiled, Pauses, assert_beats};
+use edof_core::draw::Draw;
+use edof_core::{CfaPhase, DisplayMode, RawFrame, Stride, Window};
 use edof_device::Design;
 use edof_device::design::FrameSize;
 use edof_golden::{Curve, Display, Golden};
 use edof_hdl::project;
 use edof_hdl::video::display::TABLE_IMAGES;
 use edof_hdl::video::stream_core::StreamCore;
-use edof_image::draw::Draw;
-use edof_image::{CfaPhase, DisplayMode, RawFrame, Stride, Window};
 use edof_network::FixedNetwork;
 use ndarray::Array2;
 

@@ -1,11 +1,11 @@
 //! Registers in a stream: every beat once and in order, and what the bench says of a stream that takes its offers back.
 
 use crate::support;
+use edof_core::draw::Draw;
 use edof_cosim::bench::{Beat, Bench, Receiver, Sender, Throttle};
 use edof_cosim::verilator::{Library, Start};
 use edof_cosim::{Error, Source};
 use edof_hdl::ports::StreamCut;
-use edof_image::draw::Draw;
 
 fn source() -> Source {
     Source::circuit(&mut StreamCut::<16>::default()).unwrap()

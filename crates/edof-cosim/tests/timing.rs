@@ -26,7 +26,7 @@ fn cache() -> PathBuf {
 
 /// Stages of a design's calculator, each by itself: all, but of `tiny` the first M and F, as I is dense as F is and the second M much like the first.
 pub fn of_stages(design: &Design) -> Vec<(StagePlan, PartTiming)> {
-    let network = edof_random::for_design(design, 1);
+    let network = edof_device::random::for_design(design, 1);
     let project = project::calculator(design, [&network, &network]).unwrap();
     let plans: Vec<StagePlan> =
         design.stages().filter(|plan| design.name != "tiny" || plan.index % 2 == 1).collect();
@@ -121,7 +121,7 @@ fn kc705_is_short_of_path_and_load() {
 /// The core of a design with a random network.
 fn core(name: &str) -> project::Project {
     let design = committed(name);
-    let network = edof_random::for_design(&design, 1);
+    let network = edof_device::random::for_design(&design, 1);
     system::project(&design, [&network, &network], &Display::default()).unwrap()
 }
 

@@ -4,6 +4,9 @@
 use crate::common::committed;
 use crate::streams;
 use crate::streams::{Beat, Compiled, Pauses, assert_beats};
+use edof_core::display::{TO_LUMA, TO_LUMA_SHIFT};
+use edof_core::draw::Draw;
+use edof_core::{CfaPhase, DisplayMode, Frame422, Geometry, RawFrame, Stride, Window};
 use edof_device::Design;
 use edof_device::design::FrameSize;
 use edof_golden::gamma::{ColourTable, LumaTable};
@@ -14,9 +17,6 @@ use edof_golden::{Curve, Display as GoldenDisplay};
 use edof_hdl::video::display::{Display, TABLE_IMAGES};
 use edof_hdl::video::lines::Lines;
 use edof_hdl::video::window_reorder::WindowReorder;
-use edof_image::display::{TO_LUMA, TO_LUMA_SHIFT};
-use edof_image::draw::Draw;
-use edof_image::{CfaPhase, DisplayMode, Frame422, Geometry, RawFrame, Stride, Window};
 use ndarray::Array2;
 
 /// Two 16-bit words as a port has them, the first low.

@@ -3,6 +3,8 @@
 
 use crate::common::committed;
 use crate::differential::{Last, RESET, agree, agree_with_images, bit, ported, resets, word};
+use edof_core::Stride;
+use edof_core::draw::Draw;
 use edof_device::Design;
 use edof_device::design::FrameSize;
 use edof_device::video::{Axis, VideoTiming};
@@ -15,8 +17,6 @@ use edof_hdl::video::scale::Scale;
 use edof_hdl::video::video_in::VideoIn;
 use edof_hdl::video::video_out::VideoOut;
 use edof_hdl::video::window_reorder::WindowReorder;
-use edof_image::Stride;
-use edof_image::draw::Draw;
 use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 

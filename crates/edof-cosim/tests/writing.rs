@@ -73,7 +73,7 @@ fn a_circuit_that_skips_zeros_is_told_not_to() {
 fn words_lie_at_addresses_of_their_own() {
     for name in ["tiny", "paper", "kc705"] {
         let design = committed(name);
-        let network = edof_random::for_design(&design, 1);
+        let network = edof_device::random::for_design(&design, 1);
         let writes = [Set::First, Set::Second].map(|set| memory::writes(&design, &network, set)).concat();
         let addresses: std::collections::BTreeSet<u32> = writes.iter().map(|(address, _)| *address).collect();
         assert_eq!(addresses.len(), writes.len());

@@ -3,8 +3,8 @@
 //! Words in, separated by white space: `malvar` or `directional`, a phase such as `rggb`, height, width, then sensor values of 16 bits
 //! row by row. Out come the red, green and blue planes, row by row.
 
+use edof_core::{CfaPhase, RawFrame, Reconstructor};
 use edof_deblur::{Directional, Malvar};
-use edof_image::{CfaPhase, RawFrame, Reconstructor};
 use ndarray::Array2;
 use std::error::Error;
 use std::io::{Read, Write};

@@ -4,8 +4,8 @@
 //! Green is interpolated twice, along rows and along columns. Where the difference of red (or blue) and green varies less, that was
 //! the direction of the edge; everything else follows it. Borders are mirrored about the edge pixel, which keeps the Bayer phase.
 
-use edof_image::geometry::{GeometryError, mirror};
-use edof_image::{CfaPhase, Channel, ColourFrame, RawFrame, ReconstructError, Reconstruction, Reconstructor};
+use edof_core::geometry::{GeometryError, mirror};
+use edof_core::{CfaPhase, Channel, ColourFrame, RawFrame, ReconstructError, Reconstruction, Reconstructor};
 use ndarray::{Array2, Array3, Axis};
 use std::time::Instant;
 

@@ -8,12 +8,12 @@
 //! | | [`hyper_laplacian`](mod@hyper_laplacian) | the kernel, under a prior of few and large differences (Krishnan, Fergus) |
 //! | | [`blind`] | nothing: kernel and picture together (Krishnan, Tay, Fergus) |
 //!
-//! Demosaicing is a [`Reconstructor`](edof_image::Reconstructor); deconvolution takes one colour plane of linear light (rows × columns)
+//! Demosaicing is a [`Reconstructor`](edof_core::Reconstructor); deconvolution takes one colour plane of linear light (rows × columns)
 //! and a kernel of odd sides and sum 1, and gives a plane of the same size. All run on the calling thread.
 //!
 //! ```
 //! use edof_deblur::Malvar;
-//! use edof_image::{CfaPhase, RawFrame, Reconstructor};
+//! use edof_core::{CfaPhase, RawFrame, Reconstructor};
 //! use ndarray::Array2;
 //!
 //! let grey = RawFrame::from_values(Array2::from_elem((8, 8), 0x8000), 16, CfaPhase::Grbg)?;

@@ -4,8 +4,8 @@
 //! A missing colour is the mean of its neighbours, corrected by the Laplacian of the colour that was measured at the pixel;
 //! both together are one 5×5 filter. Borders are mirrored about the edge pixel, which keeps the Bayer phase.
 
-use edof_image::geometry::{GeometryError, mirror};
-use edof_image::{CfaPhase, Channel, ColourFrame, RawFrame, ReconstructError, Reconstruction, Reconstructor};
+use edof_core::geometry::{GeometryError, mirror};
+use edof_core::{CfaPhase, Channel, ColourFrame, RawFrame, ReconstructError, Reconstruction, Reconstructor};
 use ndarray::Array2;
 use std::time::Instant;
 

@@ -99,7 +99,7 @@ pub fn calculator_clock(design: &Design) -> Result<MadeClock, DesignError> {
         let expected = format!("a clock that an MMCM makes of {memory} MHz, such as {}", named.join(" or "));
         DesignError::Field {
             field: "clock_mhz".into(),
-            value: edof_image::words::number(design.clock_mhz),
+            value: edof_core::words::number(design.clock_mhz),
             expected,
         }
     })

@@ -11,6 +11,7 @@
 //! | clocks that an MMCM makes | [`mmcm`] |
 //! | raw frames that the board makes itself | [`pattern`] |
 //! | CRC of frames | [`crc`] |
+//! | random networks and windows (feature `random`) | `random` |
 
 pub mod board;
 pub mod crc;
@@ -19,6 +20,8 @@ pub mod fifos;
 pub mod i2c;
 pub mod mmcm;
 pub mod pattern;
+#[cfg(feature = "random")]
+pub mod random;
 pub mod registers;
 pub mod video;
 

@@ -97,7 +97,7 @@ impl VideoTiming {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::geometry::Stride;
+    use edof_core::geometry::Stride;
 
     #[test]
     fn standard_timings_have_the_frame_rates_in_their_names() {

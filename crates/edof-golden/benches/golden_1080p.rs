@@ -4,11 +4,11 @@
 //! `cargo bench -p edof-golden`; `RAYON_NUM_THREADS` sets the threads. Throughput is in pixels of the frame.
 
 use divan::{Bencher, counter::ItemsCount};
+use edof_core::draw::Draw;
+use edof_core::{CfaPhase, DisplayMode, Frame422, RawFrame};
 use edof_golden::Golden;
 use edof_golden::frame::scalar_frame;
 use edof_golden::{Curve, Display};
-use edof_image::draw::Draw;
-use edof_image::{CfaPhase, DisplayMode, Frame422, RawFrame};
 use edof_network::{FixedNetwork, weight_file};
 use ndarray::Array2;
 use std::fmt;
@@ -85,7 +85,7 @@ fn networks() -> Vec<Named> {
     }
     let drawn = |(window, stride)| Named {
         name: format!("drawn, window {window}"),
-        network: edof_random::natural(window, stride, 1),
+        network: edof_device::random::natural(window, stride, 1),
     };
     all.extend([(8, 8), (12, 8), (12, 4)].map(drawn));
     all

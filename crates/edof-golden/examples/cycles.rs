@@ -2,11 +2,11 @@
 //!
 //! `cargo run --release -p edof-golden --example cycles -- DESIGN.json NETWORK.fixed.safetensors RAW.png` (RAW.png as for `throughput`)
 
+use edof_core::{CfaPhase, Geometry, RawFrame};
 use edof_device::Design;
 use edof_device::design::memory::Set;
 use edof_golden::cycle::{Cycle, Patch, Summary};
 use edof_golden::windows::Mirrored;
-use edof_image::{CfaPhase, Geometry, RawFrame};
 use edof_network::weight_file;
 use ndarray::Array2;
 use std::error::Error;

@@ -1,7 +1,7 @@
 //! A raw frame through the board's integers, to the codes at its HDMI port: `cargo run --release -p edof-golden --example raw_to_codes`
 
+use edof_core::{CfaPhase, RawFrame, cable};
 use edof_golden::{Display, Golden};
-use edof_image::{CfaPhase, RawFrame, cable};
 use edof_network::weight_file;
 use std::path::Path;
 

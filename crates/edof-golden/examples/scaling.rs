@@ -4,9 +4,9 @@
 //! `cargo run --release -p edof-golden --example scaling -- NETWORK.fixed.safetensors RAW.png`. Each row is a process of its own, because a process reports only its peak memory. T is changed by repeating or leaving out middle layers, the frame's size by
 //! mirroring it at its edges.
 
+use edof_core::geometry::mirror;
+use edof_core::{CfaPhase, RawFrame, Stride};
 use edof_golden::{Display, Golden, Picture};
-use edof_image::geometry::mirror;
-use edof_image::{CfaPhase, RawFrame, Stride};
 use edof_network::{FixedNetwork, weight_file};
 use ndarray::Array2;
 use std::error::Error;

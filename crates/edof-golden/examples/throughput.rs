@@ -4,8 +4,8 @@
 //! is grey, red first, 12 bits at the top of each word, as `edof capture` writes it. Prints one JSON line, and writes the frame's linear red,
 //! green and blue to OUT.f32. `benches/peers/golden_float.sh` runs it beside the float network.
 
+use edof_core::{CfaPhase, RawFrame};
 use edof_golden::{Display, Golden, Picture};
-use edof_image::{CfaPhase, RawFrame};
 use edof_network::weight_file;
 use ndarray::Array2;
 use std::error::Error;

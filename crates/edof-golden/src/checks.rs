@@ -2,9 +2,9 @@
 
 use crate::display::Display;
 use crate::frame::Golden;
+use edof_core::RawFrame;
+use edof_core::geometry::GeometryError;
 use edof_device::crc::of_words;
-use edof_image::RawFrame;
-use edof_image::geometry::GeometryError;
 
 /// CRC-32 of one frame at each boundary, in the order in which data pass.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -47,7 +47,7 @@ impl Golden {
 mod tests {
     use super::*;
     use crate::{scalar, windows};
-    use edof_image::{CfaPhase, Stride, Window};
+    use edof_core::{CfaPhase, Stride, Window};
     use edof_network::network::{Form, Recurrence, Shrinkage};
     use ndarray::Array2;
 
@@ -63,7 +63,7 @@ mod tests {
                 linear_path: true,
                 tied: false,
             };
-            let network = edof_random::extreme(form, 12, Stride::new(4).unwrap(), false, 4);
+            let network = edof_device::random::extreme(form, 12, Stride::new(4).unwrap(), false, 4);
             let values = Array2::from_shape_fn((14, 18), |(r, c)| (r * 2003 + c * 331) as u16);
             let raw = RawFrame::from_values(values, 16, CfaPhase::Rggb).unwrap();
             let golden = Golden::new(network.clone()).unwrap();

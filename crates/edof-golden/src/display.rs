@@ -6,12 +6,12 @@
 
 use crate::fast::isa::{Isa, for_each_isa};
 use crate::gamma::{ColourTable, Curve, LumaTable};
-use edof_image::display::{
+use edof_core::display::{
     BLACK, CHROMA_ZERO, CODES, COLOUR_ADDRESS_BITS, DisplayMode, SINK_CHROMA, SINK_LUMA, SINK_SHIFT,
     TO_CHROMA, TO_CHROMA_SHIFT, TO_LUMA, TO_LUMA_SHIFT, TO_RGB, TO_RGB_SHIFT,
 };
-use edof_image::number::CHROMA_SHIFT;
-use edof_image::{ColourFrame, Frame422, Tone};
+use edof_core::number::CHROMA_SHIFT;
+use edof_core::{ColourFrame, Frame422, Tone};
 use edof_network::FixedNetwork;
 use ndarray::{Array2, Array3, ArrayViewMut1};
 use rayon::prelude::*;

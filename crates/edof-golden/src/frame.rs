@@ -6,9 +6,9 @@ use crate::overlap_add::overlap_add;
 use crate::scalar;
 use crate::trace::Counts;
 use crate::windows::window;
-use edof_image::colour::rgb_part_from_422;
-use edof_image::geometry::GeometryError;
-use edof_image::{ColourFrame, Frame422, Geometry, RawFrame};
+use edof_core::colour::rgb_part_from_422;
+use edof_core::geometry::GeometryError;
+use edof_core::{ColourFrame, Frame422, Geometry, RawFrame};
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::FixedNetworkError;
 
@@ -117,12 +117,12 @@ pub fn scalar_frame(network: &FixedNetwork, raw: &RawFrame) -> Result<GoldenFram
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::{CfaPhase, Tone};
+    use edof_core::{CfaPhase, Tone};
     use ndarray::Array2;
 
     #[test]
     fn a_frame_of_light_is_encoded_before_the_network_and_its_picture_decoded() {
-        let mut network = edof_random::natural(8, 8, 2);
+        let mut network = edof_device::random::natural(8, 8, 2);
         let values = Array2::from_shape_fn((16, 24), |(r, c)| ((r * 997 + c * 131) % 4096) as u16);
         let raw = RawFrame::from_values(values, 12, CfaPhase::Gbrg).unwrap();
         let of_light = Golden::new(network.clone()).unwrap();
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn a_frame_too_small_is_rejected_alike_in_all_phases_by_the_size_that_was_given() {
-        let golden = Golden::new(edof_random::natural(8, 8, 1)).unwrap();
+        let golden = Golden::new(edof_device::random::natural(8, 8, 1)).unwrap();
         let frame = |side, phase| {
             golden.frame(&RawFrame::from_values(Array2::zeros((side, side)), 8, phase).unwrap())
         };

@@ -1,9 +1,9 @@
 //! Light to codes by look-up tables that the host can load: one for luma, one for each colour.
 
-use edof_image::colour::{srgb_decode, srgb_encode};
-use edof_image::display::{BLACK, CODES, COLOUR_ADDRESS_BITS, COLOUR_ENTRY_BITS, LUMA_CODES, LUMA_ENTRIES};
-use edof_image::number::OUTPUT_FRACTION;
-use edof_image::{ColourFrame, Tone};
+use edof_core::colour::{srgb_decode, srgb_encode};
+use edof_core::display::{BLACK, CODES, COLOUR_ADDRESS_BITS, COLOUR_ENTRY_BITS, LUMA_CODES, LUMA_ENTRIES};
+use edof_core::number::OUTPUT_FRACTION;
+use edof_core::{ColourFrame, Tone};
 
 /// Entries of a colour's table.
 const COLOUR_ENTRIES: usize = 1 << COLOUR_ADDRESS_BITS;
@@ -180,7 +180,7 @@ fn check(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::display::WHITE;
+    use edof_core::display::WHITE;
 
     const CURVES: [Curve; 3] = [Curve::Linear, Curve::Srgb, Curve::Bt709];
 

@@ -20,8 +20,8 @@
 //!
 //! ```
 //! use edof_golden::{Display, Golden};
-//! use edof_image::{CfaPhase, RawFrame};
-//! # let network = edof_random::natural(8, 8, 7);
+//! use edof_core::{CfaPhase, RawFrame};
+//! # let network = edof_device::random::natural(8, 8, 7);
 //! // `network` came out of edof_network::weight_file::load_fixed.
 //! let raw = RawFrame::from_values(ndarray::Array2::from_elem((32, 48), 700), 12, CfaPhase::Rggb)?;
 //! let out = Golden::new(network)?.frame(&raw)?;

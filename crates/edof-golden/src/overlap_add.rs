@@ -5,8 +5,8 @@
 
 use crate::fast::isa::{Isa, for_each_isa};
 use crate::trace::Counts;
-use edof_image::geometry::{PATCH, PATCH_PIXELS};
-use edof_image::{Frame422, Geometry};
+use edof_core::geometry::{PATCH, PATCH_PIXELS};
+use edof_core::{Frame422, Geometry};
 use ndarray::Array2;
 use std::ops::Range;
 
@@ -188,8 +188,8 @@ pub fn empty_frame(height: usize, width: usize) -> Frame422 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::overlap::Overlap;
-    use edof_image::{Stride, Window};
+    use edof_core::overlap::Overlap;
+    use edof_core::{Stride, Window};
 
     #[test]
     fn patches_that_carry_the_averaging_window_add_up_to_an_even_frame() {

@@ -1,7 +1,7 @@
 //! The golden pipeline as a method that experiments compare.
 
 use crate::frame::Golden;
-use edof_image::{RawFrame, ReconstructError, Reconstruction, Reconstructor};
+use edof_core::{RawFrame, ReconstructError, Reconstruction, Reconstructor};
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::FixedNetworkError;
 use std::time::Instant;
@@ -58,12 +58,12 @@ impl GoldenReconstructor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::CfaPhase;
+    use edof_core::CfaPhase;
     use ndarray::Array2;
 
     #[test]
     fn a_network_as_a_method_has_its_name_and_gives_what_the_pipeline_gives() {
-        let network = edof_random::natural(8, 8, 5);
+        let network = edof_device::random::natural(8, 8, 5);
         let values = Array2::from_shape_fn((32, 32), |(row, column)| (row * 700 + column * 300) as u16);
         let raw = RawFrame::from_values(values, 16, CfaPhase::ALL[0]).unwrap();
         let method = GoldenReconstructor::new(network, "net").unwrap();

@@ -2,7 +2,7 @@
 //! [`edof_network::fixed_network`]. Slow and plain on purpose; [`crate::fast`] must give the same [`Trace`].
 
 use crate::trace::{LayerWords, StageCounts, Trace};
-use edof_image::number::{requantize, saturate};
+use edof_core::number::{requantize, saturate};
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::FixedMatrix;
 use edof_network::network::{Recurrence, Shrinkage};

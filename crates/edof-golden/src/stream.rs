@@ -5,8 +5,8 @@ use crate::frame::{Golden, GoldenFrame};
 use crate::overlap_add::{Band, Lines, empty_frame};
 use crate::trace::Counts;
 use crate::windows::Mirrored;
-use edof_image::RawFrame;
-use edof_image::geometry::{GeometryError, PATCH};
+use edof_core::RawFrame;
+use edof_core::geometry::{GeometryError, PATCH};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -18,10 +18,10 @@ const STRIP: usize = 16;
 ///
 /// ```
 /// use edof_golden::Golden;
-/// use edof_image::{CfaPhase, RawFrame};
+/// use edof_core::{CfaPhase, RawFrame};
 /// use ndarray::Array2;
 ///
-/// let golden = Golden::new(edof_random::natural(12, 8, 1))?;
+/// let golden = Golden::new(edof_device::random::natural(12, 8, 1))?;
 /// let mut stream = golden.stream();
 /// for light in [900, 1800] {
 ///     let raw = RawFrame::from_values(Array2::from_elem((32, 48), light), 12, CfaPhase::Rggb)?;

@@ -1,7 +1,7 @@
 //! What a stage hands to the next, and what its counters say.
 
-use edof_image::colour::OUTPUTS_422;
-use edof_image::reconstructor::{Counters, Multiplications};
+use edof_core::colour::OUTPUTS_422;
+use edof_core::reconstructor::{Counters, Multiplications};
 use edof_network::FixedNetwork;
 
 /// One patch on its way through the network: the words at every stage boundary.
@@ -128,14 +128,14 @@ impl Counts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::{Stride, Window};
+    use edof_core::{Stride, Window};
     use edof_network::network::{Form, Recurrence, Shrinkage};
 
     fn network(linear_path: bool) -> FixedNetwork {
         let window = Window::new(8).unwrap();
         let (shrinkage, recurrence) = (Shrinkage::OneSided, Recurrence::Direct);
         let form = Form { window, codes: 10, layers: 4, shrinkage, recurrence, linear_path, tied: false };
-        edof_random::extreme(form, 16, Stride::PATCH, false, 1)
+        edof_device::random::extreme(form, 16, Stride::PATCH, false, 1)
     }
 
     /// Five patches through I, two M and F.

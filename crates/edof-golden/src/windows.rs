@@ -1,8 +1,8 @@
 //! Windows: the input words that a network sees around a patch.
 
-use edof_image::geometry::{GeometryError, mirror};
-use edof_image::number::input_word;
-use edof_image::{Geometry, RawFrame};
+use edof_core::geometry::{GeometryError, mirror};
+use edof_core::number::input_word;
+use edof_core::{Geometry, RawFrame};
 use edof_network::FixedNetwork;
 use std::ops::Range;
 
@@ -105,7 +105,7 @@ fn copy_block<const SIDE: usize>(words: &[i16], width: usize, out: &mut [i16]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::{CfaPhase, Stride, Window};
+    use edof_core::{CfaPhase, Stride, Window};
     use ndarray::Array2;
 
     #[test]

@@ -4,8 +4,8 @@ use crate::frame::Golden;
 use crate::scalar::sends_difference;
 use crate::trace::{LayerWords, Trace};
 use crate::windows::Mirrored;
-use edof_image::RawFrame;
-use edof_image::geometry::GeometryError;
+use edof_core::RawFrame;
+use edof_core::geometry::GeometryError;
 use ndarray::Array3;
 use rayon::prelude::*;
 
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
     use crate::scalar;
     use crate::windows::window;
-    use edof_image::{CfaPhase, Stride, Window};
+    use edof_core::{CfaPhase, Stride, Window};
     use edof_network::network::{Form, Recurrence, Shrinkage};
     use ndarray::{Array2, s};
 
@@ -82,7 +82,7 @@ mod tests {
             linear_path: true,
             tied: false,
         };
-        let network = edof_random::extreme(form, 12, Stride::new(4).unwrap(), false, 4);
+        let network = edof_device::random::extreme(form, 12, Stride::new(4).unwrap(), false, 4);
         let values = Array2::from_shape_fn((14, 18), |(r, c)| (r * 2003 + c * 331) as u16);
         let raw = RawFrame::from_values(values, 16, CfaPhase::Grbg).unwrap();
         let golden = Golden::new(network.clone()).unwrap();

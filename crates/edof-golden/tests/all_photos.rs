@@ -1,11 +1,11 @@
 //! Scalar and fast agree on every stage boundary of every window of all 24 photographs, for a network in `weights/` and an instruction
 //! set each (for every one of both in `scripts/soak.sh`), and so do the frames they add up to. Photographs: `EDOF_KODAK`, else `../shared/data/kodak` beside the project.
 
+use edof_core::{CfaPhase, Geometry, RawFrame};
 use edof_golden::fast::{Fast, Isa};
 use edof_golden::overlap_add::overlap_add;
 use edof_golden::windows::window;
 use edof_golden::{Counts, Golden, Trace, scalar};
-use edof_image::{CfaPhase, Geometry, RawFrame};
 use edof_network::{FixedNetwork, weight_file};
 use ndarray::Array2;
 use rayon::prelude::*;

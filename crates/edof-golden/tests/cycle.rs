@@ -1,6 +1,8 @@
 //! The cycle model: its recurrences against a machine that steps through every cycle, its words against the specification, and
 //! what the committed designs take.
 
+use edof_core::draw::Draw;
+use edof_core::{Stride, Window};
 use edof_device::Design;
 use edof_device::design::memory::{Set, Space, address};
 use edof_device::design::reading::{READ_REGISTER, read_command};
@@ -9,8 +11,6 @@ use edof_golden::cycle::{
     Cycle, Patch, PatchRun, StageUse, StallPattern, Stalls, Summary, estimate, stepped,
 };
 use edof_golden::{Trace, scalar};
-use edof_image::draw::Draw;
-use edof_image::{Stride, Window};
 use edof_network::network::{Form, Recurrence, Shrinkage};
 use edof_network::{FixedNetwork, weight_file};
 use proptest::prelude::*;
@@ -89,7 +89,8 @@ fn patches(design: &Design, count: usize, seed: u64) -> Vec<Patch> {
     (0..count)
         .map(|_| {
             let dark = draw.whole(0, 4) == 0;
-            let window = if dark { vec![0; pixels] } else { edof_random::extreme_window(draw, pixels) };
+            let window =
+                if dark { vec![0; pixels] } else { edof_device::random::extreme_window(draw, pixels) };
             Patch { window, set: if draw.bits().is_multiple_of(2) { Set::First } else { Set::Second } }
         })
         .collect()
@@ -97,7 +98,7 @@ fn patches(design: &Design, count: usize, seed: u64) -> Vec<Patch> {
 
 /// A network that fits the design; half of them have thresholds that leave few codes.
 fn network(design: &Design, seed: u64) -> FixedNetwork {
-    let mut network = edof_random::for_design(design, seed);
+    let mut network = edof_device::random::for_design(design, seed);
     if seed.is_multiple_of(2) {
         let max = ((1 << (design.code_bits - 1)) - 1) as i16;
         network.thresholds.iter_mut().for_each(|theta| theta.mapv_inplace(|t| t.max(max - max / 8)));
@@ -198,7 +199,7 @@ fn beats_carry_what_the_receiver_needs() {
     for recurrence in [Recurrence::Direct, Recurrence::Difference] {
         let mut design = committed("tiny");
         design.form.recurrence = recurrence;
-        let network = edof_random::for_design(&design, 3);
+        let network = edof_device::random::for_design(&design, 3);
         let model = Cycle::new(&design, [&network, &network]).unwrap();
         let run = model.run(patches(&design, 1, 1)).next().unwrap();
         let beat = |boundary: usize, i: usize| run.transfers(boundary).nth(i).unwrap();
@@ -312,7 +313,7 @@ fn a_summary_is_what_its_runs_add_up_to() {
 #[test]
 fn a_network_of_another_form_is_rejected() {
     let (tiny, paper) = (committed("tiny"), committed("paper"));
-    let network = edof_random::for_design(&paper, 1);
+    let network = edof_device::random::for_design(&paper, 1);
     let error = Cycle::new(&tiny, [&network, &network]).unwrap_err().to_string();
     assert!(error.contains("does not fit design tiny: it has 192 values of sparse code, "), "{error}");
     assert!(!error.contains('{'), "{error}");

@@ -1,11 +1,11 @@
 //! The words of the golden pipeline never change unintentionally: hashes of vectors from fixed seeds, committed before crates were moved.
 //! A changed hash means a changed contract (docs/contract.md), never a refactoring.
 
+use edof_core::draw::Draw;
+use edof_core::storage::digest::sha256;
+use edof_core::{CfaPhase, RawFrame, Stride, Window};
 use edof_golden::{Display, Golden, Trace, scalar};
-use edof_image::draw::Draw;
-use edof_image::{CfaPhase, RawFrame, Stride, Window};
 use edof_network::network::{Form, Recurrence, Shrinkage};
-use edof_storage::digest::sha256;
 use ndarray::Array2;
 
 /// A form by its numbers: window, codes, layers, one-sided, difference, with R.
@@ -54,10 +54,10 @@ fn bytes(trace: &Trace) -> Vec<u8> {
 fn words_at_every_boundary_of_fixed_seeds_keep_their_hash() {
     let mut all = Vec::new();
     for (seed, form) in (1..).zip(forms()) {
-        let network = edof_random::extreme(form, 16, Stride::PATCH, false, seed);
+        let network = edof_device::random::extreme(form, 16, Stride::PATCH, false, seed);
         let draw = &mut Draw::new(seed);
         for _ in 0..8 {
-            let window = edof_random::extreme_window(draw, form.window.pixels());
+            let window = edof_device::random::extreme_window(draw, form.window.pixels());
             all.extend(bytes(&scalar::run(&network, &window)));
         }
     }
@@ -68,7 +68,7 @@ fn words_at_every_boundary_of_fixed_seeds_keep_their_hash() {
 fn codes_on_the_wire_of_fixed_seeds_keep_their_hash() {
     let mut all = Vec::new();
     for (seed, stride) in [(5, 8), (6, 4), (7, 2)] {
-        let network = edof_random::natural(12, stride, seed);
+        let network = edof_device::random::natural(12, stride, seed);
         let draw = &mut Draw::new(seed);
         let values =
             Array2::from_shape_fn((40, 56), |(i, j)| (draw.whole(0, 900) + 60 * (i + j) as i64) as u16);

@@ -1,4 +1,4 @@
-//! The formulas that the golden pipeline and the circuits both take from `edof-image`, `edof-network` and `edof-device`, compared with values worked out by hand. If one of the formulas were wrong, the two would still agree.
+//! The formulas that the golden pipeline and the circuits both take from `edof-core`, `edof-network` and `edof-device`, compared with values worked out by hand. If one of the formulas were wrong, the two would still agree.
 
 use edof_device::Design;
 use edof_device::design::memory::Shifts;
@@ -14,7 +14,7 @@ fn committed(name: &str) -> Design {
 fn network(recurrence: Recurrence) -> (Design, FixedNetwork) {
     let mut design = committed("tiny");
     design.form.recurrence = recurrence;
-    let mut network = edof_random::for_design(&design, 1);
+    let mut network = edof_device::random::for_design(&design, 1);
     network.code_fractions = vec![11, 10, 12];
     network.analysis.fraction = 12;
     network.recurrent[0].fraction = 13;
@@ -76,7 +76,7 @@ fn windows_wait_for_the_linear_path_alone() {
 /// The small design with another number of layers and another window.
 fn deeper(layers: usize, side: usize) -> Design {
     let mut design = committed("tiny");
-    (design.form.layers, design.form.window) = (layers, edof_image::Window::new(side).unwrap());
+    (design.form.layers, design.form.window) = (layers, edof_core::Window::new(side).unwrap());
     let (first, middle, last) = (design.stages[0], design.stages[1], design.stages[3]);
     design.stages = std::iter::once(first).chain(vec![middle; layers - 2]).chain([last]).collect();
     design

@@ -1,10 +1,10 @@
 //! The fast pipeline equals the specification at every stage boundary, word for word and count for count.
 
+use edof_core::draw::Draw;
+use edof_core::{CfaPhase, RawFrame, Stride, Window};
 use edof_golden::fast::{Fast, Isa};
 use edof_golden::frame::scalar_frame;
 use edof_golden::{Golden, scalar};
-use edof_image::draw::Draw;
-use edof_image::{CfaPhase, RawFrame, Stride, Window};
 use edof_network::FixedNetwork;
 use edof_network::network::{Form, Recurrence, Shrinkage};
 use ndarray::Array2;
@@ -31,7 +31,7 @@ fn networks() -> impl Strategy<Value = FixedNetwork> {
     let stride = prop::sample::select(vec![2, 4, 8]);
     (forms(), 8u32..=16, stride, prop::bool::weighted(0.2), any::<u64>()).prop_map(
         |(form, bits, stride, tight, seed)| {
-            let network = edof_random::extreme(form, bits, Stride::new(stride).unwrap(), tight, seed);
+            let network = edof_device::random::extreme(form, bits, Stride::new(stride).unwrap(), tight, seed);
             network.check().unwrap();
             network
         },
@@ -58,7 +58,7 @@ proptest! {
     fn every_boundary_of_extreme_windows_is_the_same(network in networks(), seed: u64) {
         let draw = &mut Draw::new(seed);
         let pixels = network.form.window.pixels();
-        let windows: Vec<i16> = (0..65).flat_map(|_| edof_random::extreme_window(draw, pixels)).collect();
+        let windows: Vec<i16> = (0..65).flat_map(|_| edof_device::random::extreme_window(draw, pixels)).collect();
         assert_same_traces(&network, &windows);
     }
 
@@ -89,7 +89,7 @@ fn words_that_are_all_at_one_end_are_the_same() {
             linear_path: true,
             tied: false,
         };
-        let mut network = edof_random::extreme(form, bits, Stride::PATCH, false, 1);
+        let mut network = edof_device::random::extreme(form, bits, Stride::PATCH, false, 1);
         let min = -1i16 << (bits - 1);
         network.recurrent.iter_mut().for_each(|s| s.weights.fill(min));
         network.analysis.weights.fill(min);
@@ -103,7 +103,7 @@ fn words_that_are_all_at_one_end_are_the_same() {
 
 #[test]
 fn a_network_like_a_trained_one_is_the_same_and_sparse() {
-    let network = edof_random::natural(12, 8, 5);
+    let network = edof_device::random::natural(12, 8, 5);
     let draw = &mut Draw::new(9);
     let windows: Vec<i16> = (0..200)
         .flat_map(|_| {

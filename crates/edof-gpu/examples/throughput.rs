@@ -4,9 +4,9 @@
 //! STEM.fixed.safetensors the fixed one; stride 8. RAW.u16 has the words of a frame, red first, little end first, without a header. Prints one JSON
 //! line, and writes the float picture's linear red, green and blue to OUT.f32. `benches/peers/gpu_pytorch.py` runs it beside PyTorch.
 
+use edof_core::overlap::Overlap;
+use edof_core::{CfaPhase, RawFrame, Stride};
 use edof_gpu::{Device, GpuFloat, GpuGolden};
-use edof_image::overlap::Overlap;
-use edof_image::{CfaPhase, RawFrame, Stride};
 use edof_network::weight_file;
 use ndarray::Array2;
 use std::error::Error;

@@ -42,7 +42,7 @@ pub enum GpuError {
     Network(#[from] edof_network::network::NetworkError),
     /// A frame that no network can take.
     #[error(transparent)]
-    Geometry(#[from] edof_image::geometry::GeometryError),
+    Geometry(#[from] edof_core::geometry::GeometryError),
 }
 
 /// A device that kernels can run on.

@@ -1,8 +1,8 @@
 //! A network's matrices in a device's memory, and frames through them.
 
 use crate::device::{Buffer, Device, Element, GpuError};
-use edof_image::geometry::{PATCH, PATCH_PIXELS};
-use edof_image::{Geometry, RawFrame};
+use edof_core::geometry::{PATCH, PATCH_PIXELS};
+use edof_core::{Geometry, RawFrame};
 use edof_network::network::{Form, Recurrence, Shrinkage};
 use ndarray::Array2;
 use opencl3::program::Program;

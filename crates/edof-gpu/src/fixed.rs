@@ -4,12 +4,12 @@ use crate::device::{Buffer, Device, GpuError};
 use crate::engine::{
     COUNTERS, EVEN, Engine, FrameMemory, Kept, Matrices, OutputShifts, Plane, StageShifts, Workspace,
 };
+use edof_core::colour::OUTPUTS_422;
+use edof_core::frame::Frame422;
+use edof_core::geometry::{PATCH, PATCH_PIXELS};
+use edof_core::{Geometry, RawFrame, ReconstructError, Reconstruction, Reconstructor};
 use edof_golden::overlap_add::empty_frame;
 use edof_golden::{Counts, GoldenFrame, LayerWords, StageCounts, Trace};
-use edof_image::colour::OUTPUTS_422;
-use edof_image::frame::Frame422;
-use edof_image::geometry::{PATCH, PATCH_PIXELS};
-use edof_image::{Geometry, RawFrame, ReconstructError, Reconstruction, Reconstructor};
 use edof_network::FixedNetwork;
 use ndarray::Array2;
 use std::time::Instant;
@@ -25,8 +25,8 @@ const PLANES: [Plane; 3] = [
 ///
 /// ```
 /// use edof_gpu::{Device, GpuGolden};
-/// # let network = edof_random::natural(8, 8, 7);
-/// # let raw = edof_image::RawFrame::from_values(ndarray::Array2::from_elem((32, 48), 700), 12, edof_image::CfaPhase::Rggb)?;
+/// # let network = edof_device::random::natural(8, 8, 7);
+/// # let raw = edof_core::RawFrame::from_values(ndarray::Array2::from_elem((32, 48), 700), 12, edof_core::CfaPhase::Rggb)?;
 /// // `network` came out of edof_network::weight_file::load_fixed.
 /// if let Ok(device) = Device::open(None) {
 ///     let frame = GpuGolden::new(device, network.clone(), "net.fixed.gpu")?.frame(&raw)?;

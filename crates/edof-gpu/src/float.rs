@@ -2,11 +2,11 @@
 
 use crate::device::{Device, GpuError};
 use crate::engine::{Engine, FrameMemory, Kept, Matrices, OutputShifts, Plane, StageShifts};
-use edof_image::colour::RGB_OUTPUTS;
-use edof_image::geometry::{PATCH, PATCH_PIXELS};
-use edof_image::overlap::Overlap;
-use edof_image::reconstructor::Multiplications;
-use edof_image::{ColourFrame, Geometry, RawFrame, ReconstructError, Reconstruction, Reconstructor, Stride};
+use edof_core::colour::RGB_OUTPUTS;
+use edof_core::geometry::{PATCH, PATCH_PIXELS};
+use edof_core::overlap::Overlap;
+use edof_core::reconstructor::Multiplications;
+use edof_core::{ColourFrame, Geometry, RawFrame, ReconstructError, Reconstruction, Reconstructor, Stride};
 use edof_network::Network;
 use std::time::Instant;
 

@@ -17,7 +17,7 @@ pub use device::{Device, GpuError};
 pub use fixed::GpuGolden;
 pub use float::GpuFloat;
 
-use edof_image::ReconstructError;
+use edof_core::ReconstructError;
 
 impl GpuError {
     /// As an error of the method of this name.

@@ -1,14 +1,14 @@
 //! What a device makes is what the processor makes: every word and count of the fixed network, and the float network up to rounding.
 //! Each needs a device and is ignored: `scripts/test-gpu.sh` installs one that runs on the processor if no device is present, and runs them.
 
-use edof_camera::Camera;
-use edof_float::reconstruct::{FloatReconstructor, Output};
+use edof_core::camera::Camera;
+use edof_core::draw::Draw;
+use edof_core::overlap::Overlap;
+use edof_core::{CfaPhase, RawFrame, Reconstructor, Stride, Window};
 use edof_golden::Golden;
 use edof_golden::fast::Fast;
 use edof_gpu::{Device, GpuFloat, GpuGolden};
-use edof_image::draw::Draw;
-use edof_image::overlap::Overlap;
-use edof_image::{CfaPhase, RawFrame, Reconstructor, Stride, Window};
+use edof_network::float::reconstruct::{FloatReconstructor, Output};
 use edof_network::network::{Form, Network, Origin, Recurrence, Shrinkage};
 use ndarray::{Array1, Array2};
 
@@ -41,9 +41,9 @@ fn every_boundary_of_extreme_windows_is_the_processors() {
     for (i, form) in forms().enumerate() {
         let device = device();
         let bits = [16, 8, 12, 15][i % 4];
-        let network = edof_random::extreme(form, bits, Stride::PATCH, i == 3, i as u64);
+        let network = edof_device::random::extreme(form, bits, Stride::PATCH, i == 3, i as u64);
         let windows: Vec<i16> =
-            (0..70).flat_map(|_| edof_random::extreme_window(draw, form.window.pixels())).collect();
+            (0..70).flat_map(|_| edof_device::random::extreme_window(draw, form.window.pixels())).collect();
         let traces = GpuGolden::new(device, network.clone(), "").unwrap().traces(&windows).unwrap();
         for (patch, (here, there)) in traces.iter().zip(Fast::new(network).traces(&windows)).enumerate() {
             assert_eq!(*here, there, "{form:?}, patch {patch}");
@@ -58,7 +58,7 @@ fn frames_of_every_phase_and_stride_are_the_processors() {
     for (i, form) in forms().enumerate() {
         let device = device();
         let stride = Stride::new([2, 4, 8][(i + 1) % 3]).unwrap();
-        let network = edof_random::extreme(form, 16, stride, false, i as u64);
+        let network = edof_device::random::extreme(form, 16, stride, false, i as u64);
         let raw = extreme_frame(draw, 18 + 2 * i, 46 - 2 * i, CfaPhase::ALL[i % 4]);
         let there = Golden::new(network.clone()).unwrap().frame(&raw).unwrap();
         assert_eq!(GpuGolden::new(device, network, "").unwrap().frame(&raw).unwrap(), there, "{form:?}");
@@ -70,7 +70,7 @@ fn frames_of_every_phase_and_stride_are_the_processors() {
 #[ignore = "needs a device behind OpenCL: scripts/test-gpu.sh"]
 fn a_frame_in_several_lots_has_no_seams() {
     let device = device();
-    let network = edof_random::natural(8, 2, 3);
+    let network = edof_device::random::natural(8, 2, 3);
     let raw = extreme_frame(&mut Draw::new(3), 130, 640, CfaPhase::Rggb);
     let there = Golden::new(network.clone()).unwrap().frame(&raw).unwrap();
     assert_eq!(GpuGolden::new(device, network, "").unwrap().frame(&raw).unwrap(), there);
@@ -82,7 +82,7 @@ fn a_frame_in_several_lots_has_no_seams() {
 fn a_frame_leaves_nothing_behind_for_the_next() {
     let (draw, stride) = (&mut Draw::new(5), Stride::new(4).unwrap());
     let form = forms().next().unwrap();
-    let fixed = edof_random::extreme(form, 16, stride, false, 5);
+    let fixed = edof_device::random::extreme(form, 16, stride, false, 5);
     let golden = Golden::new(fixed.clone()).unwrap();
     let fixed = GpuGolden::new(device(), fixed, "").unwrap();
     let network = float_network(form, draw);
@@ -135,7 +135,7 @@ fn float_network(form: Form, draw: &mut Draw) -> Network {
 #[ignore = "needs a device behind OpenCL: scripts/test-gpu.sh"]
 fn a_frame_that_no_window_fits_and_a_device_that_is_not_there_are_named() {
     let device = device();
-    let gpu = GpuGolden::new(device, edof_random::natural(8, 8, 1), "net").unwrap();
+    let gpu = GpuGolden::new(device, edof_device::random::natural(8, 8, 1), "net").unwrap();
     let small = RawFrame::from_values(Array2::zeros((8, 8)), 8, CfaPhase::Rggb).unwrap();
     let error = gpu.reconstruct(&small).unwrap_err().to_string();
     assert_eq!(error, "frame 8x8: both sides must be at least 10 pixels for a window of 8");

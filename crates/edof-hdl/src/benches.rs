@@ -2,13 +2,13 @@
 
 use crate::project::Project;
 use crate::verilog::{Direction, Port};
+use edof_core::DisplayMode;
+use edof_core::cable;
+use edof_core::display::{BLACK, CHROMA_ZERO};
 use edof_device::board::CORE_KILOHERTZ;
 use edof_device::design::FrameSize;
 use edof_device::registers::map;
 use edof_device::video::VideoTiming;
-use edof_image::DisplayMode;
-use edof_image::cable;
-use edof_image::display::{BLACK, CHROMA_ZERO};
 
 /// The benches without their numbers: the calculator's, the core's.
 const BENCH: &str = include_str!("../../../project/bench.sv");

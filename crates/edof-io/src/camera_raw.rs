@@ -5,7 +5,7 @@
 //! sensor keeps dark are cut off; the Bayer phase is the file's own. Why a feature: `docs/decisions/0004-camera-raw.md`.
 
 use crate::levels::LevelsError;
-use edof_image::RawFrame;
+use edof_core::RawFrame;
 use std::path::{Path, PathBuf};
 
 /// Endings of files that are taken for camera raw.
@@ -62,7 +62,7 @@ pub use decoder::load;
 #[cfg(feature = "camera-raw")]
 mod decoder {
     use super::{CameraRawError, Path, RawFrame};
-    use edof_image::{CfaPhase, Channel};
+    use edof_core::{CfaPhase, Channel};
     use ndarray::Array2;
     use rawler::imgop::Rect;
     use rawler::rawimage::{RawImage, RawImageData, RawPhotometricInterpretation};
@@ -163,7 +163,7 @@ mod tests {
     #[cfg(feature = "camera-raw")]
     mod with_decoder {
         use super::*;
-        use edof_image::CfaPhase;
+        use edof_core::CfaPhase;
 
         /// The smallest DNG: one uncompressed strip of 16-bit values, row by row.
         fn dng(width: u16, height: u16, cfa: [u8; 4], black: u16, white: u16, values: &[u16]) -> Vec<u8> {

@@ -1,8 +1,8 @@
 //! From sensor values to light: the value of no light is taken off, and that of full light becomes full scale.
 
-use edof_image::RawFrame;
-use edof_image::frame::FrameError;
-use edof_image::words::number;
+use edof_core::RawFrame;
+use edof_core::frame::FrameError;
+use edof_core::words::number;
 use serde::{Deserialize, Serialize};
 
 /// Sensor values of no light, for the 2×2 pixels from the first on, row by row; written as one number where they are equal.
@@ -113,7 +113,7 @@ impl Levels {
     ///
     /// ```
     /// use edof_io::levels::{Black, Levels};
-    /// use edof_image::{CfaPhase, RawFrame};
+    /// use edof_core::{CfaPhase, RawFrame};
     /// let frame = RawFrame::from_values(ndarray::array![[64, 64], [2080, 4095]], 12, CfaPhase::Rggb)?;
     /// let light = Levels { black: Black::from(64), white: None }.light(&frame)?;
     /// assert_eq!(light.pixels(), ndarray::array![[0, 0], [32768, 65520]]);
@@ -147,7 +147,7 @@ impl Levels {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::CfaPhase;
+    use edof_core::CfaPhase;
     use ndarray::Array2;
     use proptest::prelude::*;
 

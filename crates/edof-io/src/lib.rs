@@ -16,11 +16,11 @@
 //! | what a picture file states of its transfer curve | [`transfer`] |
 //! | PGM and PPM with any maximum value | [`pnm`] |
 //!
-//! Everything is written through [`edof_storage::atomic`]: a file appears whole or not at all.
+//! Everything is written through [`edof_core::storage::atomic`]: a file appears whole or not at all.
 //!
 //! ```
 //! use edof_io::{photo, raw};
-//! use edof_image::{CfaPhase, ColourFrame, RawFrame};
+//! use edof_core::{CfaPhase, ColourFrame, RawFrame};
 //! let folder = tempfile::tempdir()?;
 //! let at = |name| folder.path().join(name);
 //!

@@ -7,9 +7,9 @@
 //! | `mipi12` | 12 | MIPI CSI-2 RAW12: the high bytes of two pixels, then their low nibbles, the first pixel's below |
 //! | `12p` | 12 | PFNC `12p`: one stream of bits, lowest first |
 //! | `12packed` | 12 | GigE Vision `12Packed`: high byte, low nibbles of both (the first pixel's below), high byte |
-//! | `2vuy` | 14, the upper ones of 16 | video for a playout card: Cb Y Cr Y, each byte seven bits plus 64 ([`edof_image::cable`]) |
+//! | `2vuy` | 14, the upper ones of 16 | video for a playout card: Cb Y Cr Y, each byte seven bits plus 64 ([`edof_core::cable`]) |
 
-use edof_image::{RawFrame, cable};
+use edof_core::{RawFrame, cable};
 
 /// Which byte of a word comes first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -177,7 +177,7 @@ mod tests {
     #[test]
     fn video_has_chroma_before_luma_and_carries_fourteen_bits() {
         let frame =
-            RawFrame::from_values(ndarray::array![[0x9e37, 0], [0xffff, 3]], 16, edof_image::CfaPhase::Rggb)
+            RawFrame::from_values(ndarray::array![[0x9e37, 0], [0xffff, 3]], 16, edof_core::CfaPhase::Rggb)
                 .unwrap();
         let bytes = video(&frame);
         assert_eq!(bytes, [77, 143, 64, 64, 191, 191, 64, 64]);

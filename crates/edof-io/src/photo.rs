@@ -3,7 +3,7 @@
 use crate::picture::{self, PictureError};
 use crate::samples::Samples;
 use crate::transfer::{Curve, Transfer};
-use edof_image::ColourFrame;
+use edof_core::ColourFrame;
 use ndarray::{Array2, Array3, Axis};
 use std::path::{Path, PathBuf};
 
@@ -33,7 +33,7 @@ pub enum FolderError {
     #[error("{folder}: contains no photographs, expected .png, .jpg, .webp, .tif, .bmp, .ppm or .pgm files", folder = folder.display())]
     Empty { folder: PathBuf },
     /// Photographs, none of which can be read.
-    #[error("{folder}: {}, none of which can be read; the first: {first}", edof_image::words::count(*count, "photograph"), folder = folder.display())]
+    #[error("{folder}: {}, none of which can be read; the first: {first}", edof_core::words::count(*count, "photograph"), folder = folder.display())]
     NoneReadable { folder: PathBuf, count: usize, first: PhotoError },
 }
 

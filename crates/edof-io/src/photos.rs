@@ -4,7 +4,7 @@
 //! for training ([`CHOICES`]).
 
 use crate::{photo, picture};
-use edof_image::ColourFrame;
+use edof_core::ColourFrame;
 use std::path::{Path, PathBuf};
 
 /// Every how many-th photo is for tests.
@@ -15,7 +15,7 @@ const TEST_EVERY: u32 = 3;
 pub struct Photo {
     /// File name without its ending.
     pub name: String,
-    /// The file's values, 0…1; a [`Tone`](edof_image::Tone) says whether they are light or sRGB.
+    /// The file's values, 0…1; a [`Tone`](edof_core::Tone) says whether they are light or sRGB.
     pub frame: ColourFrame,
 }
 

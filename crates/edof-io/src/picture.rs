@@ -5,7 +5,7 @@ use crate::png_chunks::chunks;
 use crate::samples::Samples;
 use crate::tiff::{Tiff, TiffError};
 use crate::{camera_raw, pnm};
-use edof_storage::input;
+use edof_core::storage::input;
 use image::codecs::jpeg::JpegDecoder;
 use image::codecs::png::PngEncoder;
 use image::codecs::tiff::{TiffDecoder, TiffEncoder};
@@ -51,7 +51,7 @@ pub enum PictureError {
     Encode { path: PathBuf, width: usize, height: usize, reason: String },
     /// The disk failed.
     #[error(transparent)]
-    Write(#[from] edof_storage::atomic::WriteError),
+    Write(#[from] edof_core::storage::atomic::WriteError),
 }
 
 /// A picture format, identified by a file's first bytes.
@@ -363,7 +363,7 @@ pub fn save(path: &Path, samples: &Samples) -> Result<(), PictureError> {
         Format::Pnm => pnm::encode(samples),
         format => picture(samples).and_then(|image| encoded(&image, format)).map_err(refused)?,
     };
-    Ok(edof_storage::atomic::write(path, &bytes)?)
+    Ok(edof_core::storage::atomic::write(path, &bytes)?)
 }
 
 /// As PNG, or else as TIFF.

@@ -20,8 +20,8 @@ use crate::packing::{self, ByteOrder, Packing, Stray};
 use crate::picture::{self, Format, PictureError};
 use crate::rendering::Rendering;
 use crate::samples::Samples;
-use edof_image::frame::FrameError;
-use edof_image::{CfaPhase, RawFrame};
+use edof_core::frame::FrameError;
+use edof_core::{CfaPhase, RawFrame};
 use ndarray::{Array2, Axis};
 use std::fs::File;
 use std::io::Read;
@@ -442,7 +442,7 @@ pub fn save(path: &Path, frame: &RawFrame) -> Result<(), RawError> {
     let (words, full_scale) = match kind(path)? {
         Written::Headerless => {
             let bytes: Vec<u8> = frame.values().iter().flat_map(|v| v.to_le_bytes()).collect();
-            edof_storage::atomic::write(path, &bytes).map_err(PictureError::from)?;
+            edof_core::storage::atomic::write(path, &bytes).map_err(PictureError::from)?;
             return Ok(());
         }
         Written::FullScale => (frame.pixels().clone(), u16::MAX),
@@ -456,7 +456,7 @@ pub fn save(path: &Path, frame: &RawFrame) -> Result<(), RawError> {
 /// # Errors
 /// [`RawError::Picture`] naming the file; none is left half written.
 pub fn save_video(path: &Path, frame: &RawFrame) -> Result<(), RawError> {
-    Ok(edof_storage::atomic::write(path, &packing::video(frame)).map_err(PictureError::from)?)
+    Ok(edof_core::storage::atomic::write(path, &packing::video(frame)).map_err(PictureError::from)?)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! What of a raw frame says that it was read otherwise than it was taken. Nothing is proved by it: a frame may be dark, a scene may
 //! be of any colours.
 
-use edof_image::{Channel, RawFrame};
+use edof_core::{Channel, RawFrame};
 
 /// A frame that uses less than this of the range is dim.
 const DIM: u16 = u16::MAX / 16;
@@ -22,10 +22,10 @@ pub enum ReadWarning {
 /// What is doubtful of a frame.
 ///
 /// ```
-/// use edof_image::{CfaPhase, RawFrame};
+/// use edof_core::{CfaPhase, RawFrame};
 /// let frame = RawFrame::from_values(ndarray::Array2::from_elem((4, 6), 900), 16, CfaPhase::Rggb)?;
 /// assert_eq!(edof_io::read_warnings::read_warnings(&frame), [edof_io::read_warnings::ReadWarning::Dim(900)]);
-/// # Ok::<(), edof_image::frame::FrameError>(())
+/// # Ok::<(), edof_core::frame::FrameError>(())
 /// ```
 #[must_use]
 pub fn read_warnings(frame: &RawFrame) -> Vec<ReadWarning> {
@@ -49,7 +49,7 @@ fn wrong_diagonal(frame: &RawFrame) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::CfaPhase;
+    use edof_core::CfaPhase;
     use ndarray::Array2;
 
     /// A grey-blue picture with some structure behind the filters of one phase, read with another.

@@ -11,11 +11,11 @@ use crate::levels::{Black, Levels};
 use crate::packing::Packing;
 use crate::raw::{Alignment, RawOptions, Size};
 use crate::rendering::{ColourMatrix, Rendering, WhiteBalance};
-use edof_camera::Camera;
-use edof_image::{CfaPhase, Noise, RawFrame, Tone};
-use edof_storage::atomic::{self, WriteError};
-use edof_storage::json;
-use edof_storage::provenance::{Input, Provenance};
+use edof_core::camera::Camera;
+use edof_core::storage::atomic::{self, WriteError};
+use edof_core::storage::json;
+use edof_core::storage::provenance::{Input, Provenance};
+use edof_core::{CfaPhase, Noise, RawFrame, Tone};
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -57,7 +57,7 @@ pub struct RawRecord {
     pub values: Tone,
     /// The sensor's noise.
     pub noise: Noise,
-    /// SHA-256 of the frame that this describes ([`edof_storage::provenance::InputKind::RawFrame`]).
+    /// SHA-256 of the frame that this describes ([`edof_core::storage::provenance::InputKind::RawFrame`]).
     pub sha256: String,
     /// How the frame was made.
     pub provenance: Provenance,

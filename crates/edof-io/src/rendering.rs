@@ -1,7 +1,7 @@
 //! From the sensor's own colours to those of a screen: white balance, then a colour matrix. It is done to the picture, not to the raw
 //! frame, for a network is trained on the sensor's own light.
 
-use edof_image::{ColourFrame, words};
+use edof_core::{ColourFrame, words};
 use ndarray::Axis;
 use serde::{Deserialize, Serialize};
 

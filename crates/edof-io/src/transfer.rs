@@ -6,7 +6,7 @@
 use crate::picture::Format;
 use crate::png_chunks::chunks;
 use crate::tiff::Tiff;
-use edof_image::Tone;
+use edof_core::Tone;
 use image::ImageDecoder;
 use image::codecs::png::PngDecoder;
 use std::fmt::{self, Display, Formatter};

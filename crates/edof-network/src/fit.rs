@@ -2,7 +2,7 @@
 //! the one to use.
 //!
 //! ```
-//! use edof_image::{Noise, Tone};
+//! use edof_core::{Noise, Tone};
 //! use edof_network::fit::Fit;
 //! use edof_network::network::Condition;
 //! let range = |least, most| Condition {
@@ -16,9 +16,9 @@
 //! ```
 
 use crate::network::{Condition, Origin};
-use edof_image::Noise;
-use edof_image::tone::Tone;
-use edof_image::words::number;
+use edof_core::Noise;
+use edof_core::tone::Tone;
+use edof_core::words::number;
 
 /// How a range of noise suits a noise; the better one is the lesser.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn a_network_of_two_tones_has_a_fit_for_each_and_of_another_tone_none() {
-        let mut origin = Origin::untrained("n", edof_camera::Camera::resolve("clear").unwrap());
+        let mut origin = Origin::untrained("n", edof_core::camera::Camera::resolve("clear").unwrap());
         assert_eq!(origin.fit(Tone::Srgb, Noise::None), None);
         let light =
             Condition { tone: Tone::Srgb, noise: Noise::sensor(16.0), least_noise: Noise::sensor(4.0) };

@@ -13,11 +13,11 @@
 use crate::network::{
     Condition, Form, NetworkError, Origin, Recurrence, Shrinkage, check_count, check_shape,
 };
-use edof_image::colour::OUTPUTS_422;
-use edof_image::geometry::Stride;
-use edof_image::number::{ACCUMULATOR_BITS, INPUT_FRACTION, OUTPUT_FRACTION};
-use edof_image::overlap::Overlap;
-use edof_storage::provenance::Provenance;
+use edof_core::colour::OUTPUTS_422;
+use edof_core::geometry::Stride;
+use edof_core::number::{ACCUMULATOR_BITS, INPUT_FRACTION, OUTPUT_FRACTION};
+use edof_core::overlap::Overlap;
+use edof_core::storage::provenance::Provenance;
 use ndarray::{Array1, Array2};
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! A network's form in words, as `--form` takes it: `one-sided,w12,t4,r`.
 
 use crate::network::{Form, Recurrence, Shrinkage};
-use edof_image::Window;
+use edof_core::Window;
 
 /// Words of `--form`, for its help.
 pub const HELP: &str = "paper-t4 or edof-t4w12, or words from the left: one-sided | two-sided, w8 | w12 | w16 (window), \

@@ -7,6 +7,7 @@
 //! | an architecture in words, as `--form` takes it | [`form`] |
 //! | integer weights, shifts, thresholds (docs/contract.md) | [`fixed_network`] |
 //! | weight files (safetensors) | [`weight_file`] |
+//! | forward pass and gradient in floating point | [`float`] |
 //!
 //! # Stability
 //!
@@ -14,6 +15,7 @@
 
 pub mod fit;
 pub mod fixed_network;
+pub mod float;
 pub mod form;
 pub mod network;
 pub mod weight_file;

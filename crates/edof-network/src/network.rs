@@ -8,12 +8,12 @@
 //! x       = D z_{T−1} + R y       F layer, R where the form has a linear path
 //! ```
 
-use edof_camera::camera::Camera;
-use edof_image::colour::RGB_OUTPUTS;
-use edof_image::geometry::Window;
-use edof_image::noise::Noise;
-use edof_image::tone::Tone;
-use edof_storage::provenance::Provenance;
+use edof_core::camera::Camera;
+use edof_core::colour::RGB_OUTPUTS;
+use edof_core::geometry::Window;
+use edof_core::noise::Noise;
+use edof_core::storage::provenance::Provenance;
+use edof_core::tone::Tone;
 use ndarray::{Array1, Array2};
 use serde::{Deserialize, Serialize};
 

@@ -6,13 +6,13 @@
 
 use crate::fixed_network::{FixedMatrix, FixedNetwork, FixedNetworkError, Quantized};
 use crate::network::{Form, Network, NetworkError, Origin};
-use edof_image::geometry::Stride;
-use edof_image::number::{CHROMA_GAIN, OUTPUT_FRACTION};
-use edof_image::overlap::Overlap;
-use edof_storage::arrays::safetensors_reason;
-use edof_storage::atomic::{self, WriteError};
-use edof_storage::digest::hexadecimal;
-use edof_storage::{input, json};
+use edof_core::geometry::Stride;
+use edof_core::number::{CHROMA_GAIN, OUTPUT_FRACTION};
+use edof_core::overlap::Overlap;
+use edof_core::storage::arrays::safetensors_reason;
+use edof_core::storage::atomic::{self, WriteError};
+use edof_core::storage::digest::hexadecimal;
+use edof_core::storage::{input, json};
 use ndarray::{Array1, Array2};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};

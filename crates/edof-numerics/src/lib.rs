@@ -1,5 +1,5 @@
 //! Numerics that optics, sparse coding, training and quantization share: Cholesky factors, normal equations and the largest eigenvalue in f64,
-//! Fourier transforms ([`fft`]), reproducible random numbers ([`random`]).
+//! Fourier transforms ([`fft`]), reproducible random numbers ([`random`]), dictionaries and sparse codes ([`sparse`]).
 //!
 //! Linear algebra runs on the calling thread in one order, so results do not depend on how many threads there are. Matrices have some
 //! hundred rows; a library for larger ones costs more to build than this ever takes to run (`docs/decisions/0001-workspace.md`).
@@ -17,6 +17,7 @@ pub mod fft;
 mod functions;
 mod least_squares;
 pub mod random;
+pub mod sparse;
 
 pub use cholesky::{Cholesky, NotPositive};
 pub use functions::{mean, sinc};

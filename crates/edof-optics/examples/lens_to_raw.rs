@@ -1,8 +1,8 @@
 //! A lens of the user, its PSFs, and the raw frame of a scene at four depths: `cargo run --release -p edof-optics --example lens_to_raw`
 
-use edof_camera::Camera;
-use edof_camera::camera::{Delay, Ring};
-use edof_image::Noise;
+use edof_core::Noise;
+use edof_core::camera::Camera;
+use edof_core::camera::{Delay, Ring};
 use edof_optics::capture::{Approximation, capture};
 use edof_optics::draw::{Builtin, draw, four_depths};
 use edof_optics::psf::{Settings, channel_psfs};

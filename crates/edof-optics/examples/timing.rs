@@ -1,9 +1,9 @@
 //! Times of PSFs, blur and the design's judge on this machine: `cargo run --release -p edof-optics --example timing`. PSFs are compared
 //! with the former sums, whole planes transformed one after another on a period that is a multiple of the support.
 
-use edof_camera::Camera;
-use edof_camera::camera::Aberration;
-use edof_image::{Channel, ColourFrame};
+use edof_core::camera::Aberration;
+use edof_core::camera::Camera;
+use edof_core::{Channel, ColourFrame};
 use edof_numerics::fft::{Complex64, Real};
 use edof_numerics::sinc;
 use edof_optics::blur::{Blur, blur_frame};

@@ -4,7 +4,7 @@ use crate::composite;
 use crate::cosine::{EvenTransform, Parity, fold_rows_as, period};
 use crate::psf::Psf;
 use crate::tiles::Tiles;
-use edof_image::ColourFrame;
+use edof_core::ColourFrame;
 use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;
 
@@ -13,7 +13,7 @@ use rayon::prelude::*;
 ///
 /// ```
 /// use edof_optics::{blur::Blur, psf::{Settings, channel_psfs}};
-/// let psfs = channel_psfs(&edof_camera::Camera::resolve("ring-2018")?, 4.0, &Settings::default())?;
+/// let psfs = channel_psfs(&edof_core::camera::Camera::resolve("ring-2018")?, 4.0, &Settings::default())?;
 /// let plan = Blur::new(20, 30);
 /// let spectrum = plan.spectrum(ndarray::Array2::from_elem((20, 30), 0.5).view());
 /// let blurred = plan.apply(&spectrum, &plan.transfer(&psfs[0]));

@@ -3,8 +3,8 @@
 use crate::psf::{self, NoPsf, Psf, Settings, SettingsError, channel_psfs};
 use crate::scene::{Scene, SceneError};
 use crate::sensor::{Sensor, SensorError, expose};
-use edof_camera::Camera;
-use edof_image::{ColourFrame, RawFrame};
+use edof_core::camera::Camera;
+use edof_core::{ColourFrame, RawFrame};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -108,7 +108,7 @@ pub enum CaptureError {
 ///
 /// ```
 /// use edof_optics::{capture::{Approximation, capture}, draw::{Builtin, draw, four_depths}, sensor::Sensor};
-/// let camera = edof_camera::Camera::resolve("ring-outer")?;
+/// let camera = edof_core::camera::Camera::resolve("ring-outer")?;
 /// let scene = draw(Builtin::Chart, 64, 96, &four_depths(camera.psi_range), 0)?;
 /// let shot = capture(&scene, &camera, &Sensor::default(), &Approximation::default())?;
 /// assert_eq!((shot.raw.size(), shot.depths.len()), ((64, 96), 4));

@@ -41,7 +41,7 @@ pub fn period(n: usize) -> usize {
     (2 * n).saturating_sub(2).max(1)
 }
 
-/// Index 0…n−1 of the sample that stands at `index` of the mirrored, periodic sequence; `mirror` of `edof_image::geometry` without its limit.
+/// Index 0…n−1 of the sample that stands at `index` of the mirrored, periodic sequence; `mirror` of `edof_core::geometry` without its limit.
 #[must_use]
 pub fn mirror_index(index: isize, n: usize) -> usize {
     let period = period(n);
@@ -192,7 +192,7 @@ mod tests {
     fn indices_are_mirrored_as_in_the_frame_and_on_for_ever() {
         for n in 2..9 {
             for i in -(n as isize) + 1..2 * n as isize - 1 {
-                assert_eq!(mirror_index(i, n), edof_image::geometry::mirror(i, n));
+                assert_eq!(mirror_index(i, n), edof_core::geometry::mirror(i, n));
             }
         }
         assert_eq!([-7, 7, 13].map(|i| mirror_index(i, 4)), [1, 1, 1]);

@@ -3,16 +3,16 @@
 //! ψ = (πR²/λ)(1/z_o − 1/z_n), λ the camera's reference wavelength, z_o the object's distance and z_n the distance at which ψ is
 //! zero. Nearer objects have larger ψ. The lens itself is focused at the camera's `focus_psi`.
 
-use edof_camera::Camera;
+use edof_core::camera::Camera;
 
 /// ψ (radians) of an object at `object_m` metres when ψ = 0 lies at `nominal_m` metres; either may be infinite.
 ///
 /// ```
 /// use edof_optics::depth::{distance_m, psi_at};
-/// let camera = edof_camera::Camera::resolve("ring-2018")?;
+/// let camera = edof_core::camera::Camera::resolve("ring-2018")?;
 /// let psi = psi_at(&camera, 1.5, 3.0);
 /// assert!((distance_m(&camera, psi, 3.0).unwrap() - 1.5).abs() < 1e-9);
-/// # Ok::<(), edof_camera::camera::CameraError>(())
+/// # Ok::<(), edof_core::camera::CameraError>(())
 /// ```
 #[must_use]
 pub fn psi_at(camera: &Camera, object_m: f64, nominal_m: f64) -> f64 {

@@ -5,10 +5,10 @@
 use crate::estimator::{JudgeError, Task, Verdict, judge};
 use crate::psf::MAX_DEFOCUS;
 use crate::statistics::Statistics;
-use edof_camera::Camera;
-use edof_camera::camera::{Delay, Ring, Sign};
-use edof_image::geometry::Window;
-use edof_image::words::{number, numbers};
+use edof_core::camera::Camera;
+use edof_core::camera::{Delay, Ring, Sign};
+use edof_core::geometry::Window;
+use edof_core::words::{number, numbers};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;

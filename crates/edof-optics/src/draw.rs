@@ -11,7 +11,7 @@ pub mod chart;
 pub mod leaves;
 
 use crate::scene::Scene;
-use edof_image::ColourFrame;
+use edof_core::ColourFrame;
 
 /// A scene rendered by code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

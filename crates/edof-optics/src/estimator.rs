@@ -8,10 +8,10 @@
 use crate::cosine::{EvenTransform, period};
 use crate::psf::{NoPsf, OUTSIDE, Psf, Settings, channel_psfs, pixel_transfer, rays_beyond, wavelengths};
 use crate::statistics::{SIDE, Statistics, pair};
-use edof_camera::Camera;
-use edof_image::geometry::{PATCH, Window};
-use edof_image::words::number;
-use edof_image::{CfaPhase, Channel};
+use edof_core::camera::Camera;
+use edof_core::geometry::{PATCH, Window};
+use edof_core::words::number;
+use edof_core::{CfaPhase, Channel};
 use edof_numerics::{Cholesky, NotPositive};
 use ndarray::Array2;
 
@@ -263,8 +263,8 @@ impl Seen {
 fn transfer(camera: &Camera, channel: Channel, psi: f64) -> Array2<f64> {
     let spectrum = camera.spectrum(channel);
     let lines = match spectrum {
-        edof_camera::camera::Spectrum::Line(nm) => vec![*nm],
-        edof_camera::camera::Spectrum::Sampled(_) => wavelengths(spectrum, WAVELENGTHS),
+        edof_core::camera::Spectrum::Line(nm) => vec![*nm],
+        edof_core::camera::Spectrum::Sampled(_) => wavelengths(spectrum, WAVELENGTHS),
     };
     let share = 1.0 / lines.len() as f64;
     let planes = lines.iter().map(|&nm| pixel_transfer(camera, nm, psi, SIDE) * share);
@@ -291,7 +291,7 @@ mod tests {
             judge(camera, &Statistics::natural(), task).unwrap_err().to_string()
         };
         let mut tilted = ring.clone();
-        tilted.aberrations = vec![edof_camera::camera::Aberration { noll: 7, rms_nm: 20.0 }];
+        tilted.aberrations = vec![edof_core::camera::Aberration { noll: 7, rms_nm: 20.0 }];
         assert!(
             refused(&tilted, &task(0.01)).starts_with("camera ring-2018: has aberrations, which the linear")
         );

@@ -7,8 +7,8 @@
 use crate::cosine::{EvenTransform, fold_rows, period};
 use crate::psf::{NoPsf, Psf, Settings, channel_psfs, wave_um};
 use crate::pupil::Pupil;
-use edof_camera::Camera;
-use edof_camera::camera::{Delay, Ring};
+use edof_core::camera::Camera;
+use edof_core::camera::{Delay, Ring};
 use edof_numerics::fft::Complex64;
 use edof_numerics::sinc;
 use ndarray::Array2;
@@ -295,7 +295,7 @@ impl<'a> PupilChange<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_camera::camera::Spectrum;
+    use edof_core::camera::Spectrum;
 
     /// A lens of two rings, one of them etched, with a spectrum.
     fn two_rings() -> Camera {
@@ -379,7 +379,7 @@ mod tests {
     #[test]
     fn lenses_that_rings_do_not_describe_are_rejected() {
         let mut camera = Camera::resolve("ring-outer").unwrap();
-        camera.aberrations = vec![edof_camera::camera::Aberration { noll: 8, rms_nm: 20.0 }];
+        camera.aberrations = vec![edof_core::camera::Aberration { noll: 8, rms_nm: 20.0 }];
         let error = psf_gradient(&camera, 0.0, &Settings::default()).unwrap_err();
         assert_eq!(
             error.to_string(),

@@ -4,7 +4,7 @@
 //! where there are any. So blur at the edge of a near thing mixes it with what could be behind, as [`crate::scene`] composes it.
 
 use crate::scene::{Layer, Scene};
-use edof_image::ColourFrame;
+use edof_core::ColourFrame;
 use ndarray::{Array2, Array3, Axis};
 use rayon::prelude::*;
 

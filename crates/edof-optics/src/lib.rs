@@ -32,7 +32,7 @@
 //! use edof_optics::draw::{Builtin, draw};
 //! use edof_optics::sensor::Sensor;
 //!
-//! let camera = edof_camera::Camera::resolve("ring-outer")?;
+//! let camera = edof_core::camera::Camera::resolve("ring-outer")?;
 //! let scene = draw(Builtin::Chart, 64, 96, &[4.0], 1)?;
 //! let shot = capture(&scene, &camera, &Sensor::default(), &Approximation::default())?;
 //! assert_eq!((shot.raw.size(), shot.raw.depth()), ((64, 96), 12));

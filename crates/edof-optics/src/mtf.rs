@@ -1,8 +1,8 @@
 //! How contrast falls with spatial frequency and with depth (the two parts of the paper's Figure 1).
 
 use crate::psf::{self, NoPsf, Psf, Settings, channel_psfs, otf_along_row, wave_um, wavelengths};
-use edof_camera::camera::{Camera, Spectrum};
-use edof_image::Channel;
+use edof_core::Channel;
+use edof_core::camera::{Camera, Spectrum};
 use edof_numerics::fft::Complex64;
 use edof_numerics::sinc;
 use ndarray::{Array1, Axis};
@@ -133,7 +133,7 @@ pub fn through_focus(
 mod tests {
     use super::*;
     use crate::bank;
-    use edof_camera::psf_bank::{Kernels, PsfBank};
+    use edof_core::camera::psf_bank::{Kernels, PsfBank};
 
     const PSIS: [f64; 9] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
 

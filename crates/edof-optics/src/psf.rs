@@ -16,9 +16,9 @@ pub use spectrum::wavelengths;
 use crate::bank;
 use crate::depth::in_metres;
 use crate::pupil::Pupil;
-use edof_camera::camera::Camera;
-use edof_image::Channel;
-use edof_image::words::number;
+use edof_core::Channel;
+use edof_core::camera::Camera;
+use edof_core::words::number;
 use ndarray::{Array2, s};
 use rayon::prelude::*;
 use spectrum::summed;
@@ -293,7 +293,7 @@ fn too_far(camera: &Camera, psi: f64, share: f64, support: usize) -> NoPsf {
 ///
 /// ```
 /// use edof_optics::psf::{Settings, channel_psfs};
-/// let [red, _, blue] = channel_psfs(&edof_camera::Camera::resolve("ring-2018")?, 1.0, &Settings::default())?;
+/// let [red, _, blue] = channel_psfs(&edof_core::camera::Camera::resolve("ring-2018")?, 1.0, &Settings::default())?;
 /// let middle = |psf: &edof_optics::psf::Psf| psf.kernel()[(psf.side() / 2, psf.side() / 2)];
 /// assert!(middle(&red) > middle(&blue), "red is in focus at psi 1");
 /// # Ok::<(), Box<dyn std::error::Error>>(())

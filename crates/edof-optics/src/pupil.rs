@@ -1,6 +1,6 @@
 //! The lens: its generalised pupil for a mask, a defocus and a wavelength.
 
-use edof_camera::camera::{Camera, Profile};
+use edof_core::camera::{Camera, Profile};
 use edof_numerics::fft::Complex64;
 
 /// exp(i(s·(ψ − ψ_focus)·(λ_ref/λ)·ρ² + φ_λ(ρ))) inside the unit circle, nothing outside; ρ is the normalised radius.
@@ -71,7 +71,7 @@ impl Pupil {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_camera::camera::Delay;
+    use edof_core::camera::Delay;
 
     #[test]
     fn a_clear_pupil_in_focus_is_one_inside_and_soft_at_its_edge() {

@@ -4,7 +4,7 @@ use crate::blur::Blur;
 use crate::composite::{Sheet, composite};
 use crate::psf::Psf;
 use crate::tiles::{Tiles, Transfer};
-use edof_image::ColourFrame;
+use edof_core::ColourFrame;
 use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;
 
@@ -196,7 +196,7 @@ mod tests {
     use super::*;
     use crate::direct::{kernel, picture};
     use crate::psf::{Settings, channel_psfs};
-    use edof_camera::Camera;
+    use edof_core::camera::Camera;
 
     fn grey(level: f32, matte: Option<Array2<f32>>, psi: f64) -> Layer {
         let mut light = ColourFrame::zeros(40, 60);

@@ -5,8 +5,8 @@
 //! ```
 
 use crate::layers::MAX_LAYERS;
-use edof_image::words::count;
-use edof_storage::json;
+use edof_core::storage::json;
+use edof_core::words::count;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use thiserror::Error;

@@ -1,8 +1,8 @@
 //! The sensor: colour filters, noise, saturation and bit depth make a raw frame of the light that falls on it.
 
-use edof_image::frame::FrameError;
-use edof_image::noise::NoiseError;
-use edof_image::{CfaPhase, ColourFrame, Noise, RawFrame};
+use edof_core::frame::FrameError;
+use edof_core::noise::NoiseError;
+use edof_core::{CfaPhase, ColourFrame, Noise, RawFrame};
 use ndarray::Array2;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Poisson, StandardNormal};
@@ -121,7 +121,7 @@ pub fn expose(frame: &ColourFrame, sensor: &Sensor) -> Result<RawFrame, SensorEr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::noise::SensorNoise;
+    use edof_core::noise::SensorNoise;
 
     fn flat(level: f32) -> ColourFrame {
         let mut frame = ColourFrame::zeros(200, 200);

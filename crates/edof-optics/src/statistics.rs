@@ -1,7 +1,7 @@
 //! Second-order statistics of photographs: how a pixel's colour varies with that of its neighbours. All that a linear estimator
 //! knows of the world.
 
-use edof_image::ColourFrame;
+use edof_core::ColourFrame;
 use edof_numerics::fft::{Complex64, Real};
 use ndarray::{Array2, Axis, s};
 

@@ -1,8 +1,8 @@
 //! The PSF against what the textbooks know in closed form.
 
-use edof_camera::Camera;
-use edof_camera::camera::{Delay, Sign, Spectrum};
-use edof_image::Channel;
+use edof_core::Channel;
+use edof_core::camera::Camera;
+use edof_core::camera::{Delay, Sign, Spectrum};
 use edof_optics::mtf::{Footprint, otf};
 use edof_optics::psf::{Settings, channel_psfs, otf_along_row, psf, quarter_otf, quarter_psf, wave_um};
 

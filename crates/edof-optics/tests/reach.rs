@@ -1,8 +1,8 @@
 //! Light that a profile, aberrations, defocus or a mask throw far: it has room, or there is no PSF.
 
-use edof_camera::Camera;
-use edof_camera::camera::{Aberration, Profile};
-use edof_image::Channel;
+use edof_core::Channel;
+use edof_core::camera::Camera;
+use edof_core::camera::{Aberration, Profile};
 use edof_optics::mtf::{Footprint, otf, sampled_otf};
 use edof_optics::psf::{Psf, PsfError, Settings, psf, quarter_psf};
 use ndarray::{Array2, arr2};

@@ -11,7 +11,7 @@
 
 use crate::float_reference::all_ends;
 use crate::fold::Folded;
-use edof_image::number::{INPUT_FRACTION, OUTPUT_FRACTION};
+use edof_core::number::{INPUT_FRACTION, OUTPUT_FRACTION};
 use edof_network::fixed_network::layer_names;
 use edof_network::network::{Recurrence, Shrinkage};
 use edof_network::{FixedNetwork, Network};

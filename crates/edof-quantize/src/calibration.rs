@@ -1,14 +1,14 @@
 //! Ranges of all codes, measured by the float network on real raw frames.
 
 use crate::QuantizeError;
-use edof_float::matmul::{Destination, Mat, product};
-use edof_float::parameters::flatten;
-use edof_float::pass::Pass;
+use edof_core::geometry::GeometryError;
+use edof_core::number::INPUT_FRACTION;
+use edof_core::{Geometry, RawFrame, Stride};
 use edof_golden::windows::Mirrored;
-use edof_image::geometry::GeometryError;
-use edof_image::number::INPUT_FRACTION;
-use edof_image::{Geometry, RawFrame, Stride};
 use edof_network::Network;
+use edof_network::float::matmul::{Destination, Mat, product};
+use edof_network::float::parameters::flatten;
+use edof_network::float::pass::Pass;
 use edof_network::network::{Form, Recurrence};
 use ndarray::Array2;
 use rayon::prelude::*;
@@ -205,8 +205,8 @@ impl Calibration {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::draw::Draw;
-    use edof_image::{CfaPhase, Window};
+    use edof_core::draw::Draw;
+    use edof_core::{CfaPhase, Window};
     use edof_network::network::Shrinkage;
 
     const CODES: usize = 3;
@@ -230,9 +230,9 @@ mod tests {
 
     fn network(layers: usize) -> Network {
         let form = form(layers, Recurrence::Direct);
-        let origin = edof_random::natural(8, 8, 1).origin;
-        let length = edof_float::parameters::Layout::new(&form).len();
-        edof_float::parameters::unflatten(form, &noise(5, length), origin)
+        let origin = edof_device::random::natural(8, 8, 1).origin;
+        let length = edof_network::float::parameters::Layout::new(&form).len();
+        edof_network::float::parameters::unflatten(form, &noise(5, length), origin)
     }
 
     fn raw(height: usize, width: usize) -> RawFrame {
@@ -244,7 +244,7 @@ mod tests {
     /// Two batches, of eight windows and of five: what is left of the first must not count in the second.
     fn two_batches(recurrence: Recurrence) -> (Form, Vec<f32>, [Vec<f32>; 2]) {
         let form = form(4, recurrence);
-        let weights = noise(1, edof_float::parameters::Layout::new(&form).len());
+        let weights = noise(1, edof_network::float::parameters::Layout::new(&form).len());
         let large = noise(2, 8 * 64).iter().map(|v| 3.0 * v).collect();
         (form, weights, [large, noise(3, 5 * 64)])
     }

@@ -1,7 +1,7 @@
 //! Scenes to calibrate and judge on: sharp pictures behind the network's own camera, over its whole range of ψ and noise.
 
 use crate::Scene;
-use edof_image::{ColourFrame, Noise, Stride};
+use edof_core::{ColourFrame, Noise, Stride};
 use edof_network::fixed_network::CalibratedOn;
 use edof_network::network::{Condition, Origin};
 use edof_optics::blur::blur_frame;
@@ -107,8 +107,8 @@ pub fn depths([low, high]: [f64; 2]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_camera::Camera;
-    use edof_image::Tone;
+    use edof_core::Tone;
+    use edof_core::camera::Camera;
 
     #[test]
     fn a_picture_is_captured_at_nine_depths_under_every_condition() {

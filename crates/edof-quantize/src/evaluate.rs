@@ -1,8 +1,8 @@
 //! What integers cost: the same scenes through the float network in the board's output format and through the golden
 //! pipeline.
 
+use edof_core::{ColourFrame, RawFrame, ReconstructError, Reconstructor, Tone};
 use edof_golden::{Counts, Golden};
-use edof_image::{ColourFrame, RawFrame, ReconstructError, Reconstructor, Tone};
 
 /// A raw frame and what a perfect lens would have shown.
 #[derive(Debug, Clone)]
@@ -90,8 +90,8 @@ pub fn evaluate<E: From<ReconstructError>>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use edof_core::CfaPhase;
     use edof_golden::GoldenReconstructor;
-    use edof_image::CfaPhase;
     use ndarray::{Array2, Array3};
 
     fn loss(name: &str, float_db: f64, fixed_db: f64) -> SceneLoss {
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn every_scene_is_measured_in_its_tone_through_both_and_counted() {
-        let network = |seed| edof_random::natural(8, 8, seed);
+        let network = |seed| edof_device::random::natural(8, 8, seed);
         let (float, fixed) =
             (GoldenReconstructor::new(network(1), "float").unwrap(), Golden::new(network(2)).unwrap());
         let sharp = ColourFrame { planes: Array3::from_elem((3, 16, 24), 0.25) };

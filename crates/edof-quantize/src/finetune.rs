@@ -12,10 +12,10 @@
 use crate::fold::{self, Folded};
 use crate::simulated::{Simulated, code_formats, rgb_map};
 use crate::{Calibration, formats, rounding::Rounding};
-use edof_float::parameters::Layout;
-use edof_image::Noise;
-use edof_image::colour::{OUTPUTS_422, RGB_OUTPUTS};
+use edof_core::Noise;
+use edof_core::colour::{OUTPUTS_422, RGB_OUTPUTS};
 use edof_network::FixedNetwork;
+use edof_network::float::parameters::Layout;
 use edof_network::network::{Form, Shrinkage};
 use edof_numerics::random::Random;
 use edof_train::adam::Adam;

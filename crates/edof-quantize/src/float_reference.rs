@@ -4,11 +4,11 @@
 //! Values are clamped to their formats' ranges where the integers saturate. Without clamped values this is the float network itself.
 
 use crate::fold::Folded;
-use edof_float::matmul::{Destination, Mat, product};
-use edof_float::real::Real;
-use edof_image::colour::OUTPUTS_422;
-use edof_image::number::{INPUT_FRACTION, OUTPUT_FRACTION};
+use edof_core::colour::OUTPUTS_422;
+use edof_core::number::{INPUT_FRACTION, OUTPUT_FRACTION};
 use edof_network::FixedNetwork;
+use edof_network::float::matmul::{Destination, Mat, product};
+use edof_network::float::real::Real;
 use edof_network::network::{Form, Recurrence, Shrinkage};
 
 /// Bits of an output word.
@@ -139,9 +139,9 @@ impl<T: Real> FloatReference<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use edof_core::draw::Draw;
+    use edof_core::{Stride, Window};
     use edof_golden::scalar;
-    use edof_image::draw::Draw;
-    use edof_image::{Stride, Window};
 
     /// Where no shift rounds, integers and real numbers are the same, saturations and all.
     #[test]
@@ -158,9 +158,9 @@ mod tests {
                 linear_path: flags[2],
                 tied: flags[3],
             };
-            let fixed = edof_random::extreme(form, 12, Stride::PATCH, true, seed);
+            let fixed = edof_device::random::extreme(form, 12, Stride::PATCH, true, seed);
             let twin = FloatReference::<f64>::new(&fixed, &Folded::of(&fixed));
-            let y = edof_random::extreme_window(&mut Draw::new(seed), 64);
+            let y = edof_device::random::extreme_window(&mut Draw::new(seed), 64);
             let (trace, values) = (scalar::run(&fixed, &y), twin.run(&y));
             let words = trace.layers.iter().map(|layer| &layer.b).chain([&trace.output]);
             let fractions = fixed.code_fractions.iter().chain([&OUTPUT_FRACTION]);
@@ -180,7 +180,7 @@ mod tests {
         assert_eq!(ends(8, 0), [-128.0, 127.0]);
         assert_eq!(ends(8, 3), [-16.0, 15.875]);
         assert_eq!(ends(16, 14), [-2.0, 2.0 - 1.0 / 16384.0]);
-        let fixed = edof_random::natural(8, 8, 1);
+        let fixed = edof_device::random::natural(8, 8, 1);
         let code = ends(16, 14);
         assert_eq!(all_ends(&fixed), [[-1.0, 1.0 - 1.0 / 32768.0], code, code, code]);
     }
@@ -199,7 +199,7 @@ mod tests {
                 linear_path: flags[2],
                 tied: flags[3],
             };
-            let mut fixed = edof_random::extreme(form, 12, Stride::PATCH, true, seed);
+            let mut fixed = edof_device::random::extreme(form, 12, Stride::PATCH, true, seed);
             if seed >= 32 {
                 // Weights of −1, 0 and 1 saturate less.
                 let matrices = fixed.recurrent.iter_mut().chain([&mut fixed.analysis, &mut fixed.dictionary]);
@@ -210,7 +210,7 @@ mod tests {
             let divisor = if seed >= 32 { 64 } else { 1 };
             let mut draw = Draw::new(seed);
             let mut window = || {
-                let words = edof_random::extreme_window(&mut draw, 64);
+                let words = edof_device::random::extreme_window(&mut draw, 64);
                 words.iter().map(|w| (w / divisor) & !1).collect::<Vec<i16>>()
             };
             let windows = [window(), window()];

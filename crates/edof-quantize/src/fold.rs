@@ -2,13 +2,13 @@
 //! the same; only its numbers become fit for integers.
 
 use crate::{Calibration, QuantizeOptions};
-use edof_float::parameters::Layout;
-use edof_image::Stride;
-use edof_image::colour::{OUTPUTS_422, patch_422_from_rgb};
-use edof_image::geometry::{PATCH, PATCH_PIXELS};
-use edof_image::number::CHROMA_GAIN;
-use edof_image::overlap::Overlap;
+use edof_core::Stride;
+use edof_core::colour::{OUTPUTS_422, patch_422_from_rgb};
+use edof_core::geometry::{PATCH, PATCH_PIXELS};
+use edof_core::number::CHROMA_GAIN;
+use edof_core::overlap::Overlap;
 use edof_network::fixed_network::FixedMatrix;
+use edof_network::float::parameters::Layout;
 use edof_network::network::Form;
 use edof_network::{FixedNetwork, Network};
 use ndarray::{Array1, Array2};
@@ -155,7 +155,7 @@ mod tests {
     fn a_grey_patch_gives_overlap_weighted_luma_and_no_chroma() {
         for step in [2, 4, 8] {
             let stride = Stride::new(step).unwrap();
-            let out = output_map(stride, Overlap::Hann).dot(&edof_image::colour::grey_patch(1.0));
+            let out = output_map(stride, Overlap::Hann).dot(&edof_core::colour::grey_patch(1.0));
             let weights = Overlap::Hann.weights(stride);
             out.iter().take(64).zip(&weights).for_each(|(a, b)| assert!((a - b).abs() < 1e-12));
             assert!(out.iter().skip(64).all(|v| v.abs() < 1e-12));
@@ -175,7 +175,7 @@ mod tests {
 
     fn form(flags: [bool; 2]) -> Form {
         Form {
-            window: edof_image::Window::new(8).unwrap(),
+            window: edof_core::Window::new(8).unwrap(),
             codes: 2,
             layers: 4,
             shrinkage: edof_network::network::Shrinkage::OneSided,
@@ -189,7 +189,7 @@ mod tests {
     fn network(flags: [bool; 2]) -> Network {
         let form = form(flags);
         let flat: Vec<f32> = (0..Layout::new(&form).len()).map(|i| (i + 1) as f32 / 1024.0).collect();
-        edof_float::parameters::unflatten(form, &flat, edof_random::natural(8, 8, 1).origin)
+        edof_network::float::parameters::unflatten(form, &flat, edof_device::random::natural(8, 8, 1).origin)
     }
 
     #[test]
@@ -213,7 +213,7 @@ mod tests {
 
     #[test]
     fn words_stand_for_multiples_of_their_last_bit() {
-        let mut fixed = edof_random::extreme(form([true, false]), 8, Stride::PATCH, false, 4);
+        let mut fixed = edof_device::random::extreme(form([true, false]), 8, Stride::PATCH, false, 4);
         fixed.code_fractions = vec![3, 4, 5];
         let folded = Folded::of(&fixed);
         let last_bit = |fraction: u32| 0.5f64.powi(fraction as i32);

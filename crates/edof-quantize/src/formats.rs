@@ -7,7 +7,7 @@
 use crate::fold::Folded;
 use crate::rounding::Rounding;
 use crate::{Calibration, QuantizeError, QuantizeOptions};
-use edof_image::number::{ACCUMULATOR_BITS, INPUT_FRACTION};
+use edof_core::number::{ACCUMULATOR_BITS, INPUT_FRACTION};
 use edof_network::fixed_network::{FixedMatrix, FixedNetworkError};
 use edof_network::network::{Form, Recurrence, Shrinkage};
 use edof_network::{FixedNetwork, Network};
@@ -17,7 +17,7 @@ use std::collections::BTreeSet;
 /// More fraction bits than these help nobody: they only make accumulators wide.
 const MAX_FRACTION: u32 = 24;
 
-/// `accumulator_bits` of the committed designs `kc705` and `paper`; a test of `edof-presets` has every network fit one.
+/// `accumulator_bits` of the committed designs `kc705` and `paper`; a test of `edof::presets` has every network fit one.
 const DESIGN_SUM_BITS: u32 = 40;
 
 /// Largest |code| of each layer after scaling, without headroom.

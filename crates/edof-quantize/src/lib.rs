@@ -17,7 +17,7 @@
 //!
 //! ```
 //! use edof_quantize::{Calibration, QuantizeOptions, quantize};
-//! # fn show(network: &edof_network::Network, frames: &[edof_image::RawFrame]) -> Result<(), Box<dyn std::error::Error>> {
+//! # fn show(network: &edof_network::Network, frames: &[edof_core::RawFrame]) -> Result<(), Box<dyn std::error::Error>> {
 //! let seen = Calibration::measure(network, frames)?;
 //! let (fixed, layers) = quantize(network, &QuantizeOptions::default(), &seen, "the weight file's hash")?;
 //! assert!(layers.iter().all(|layer| layer.accumulator_bits <= 48));
@@ -47,8 +47,8 @@ pub use capture::capture;
 pub use evaluate::{Evaluation, Scene, evaluate};
 pub use finetune::{FinetuneOptions, FinetuneProgress, finetune};
 
-use edof_image::Stride;
-use edof_image::overlap::Overlap;
+use edof_core::Stride;
+use edof_core::overlap::Overlap;
 use edof_network::fixed_network::{FixedNetworkError, WORD_BITS, layer_names};
 use edof_network::network::NetworkError;
 use edof_network::{FixedNetwork, Network};
@@ -163,7 +163,7 @@ fn report(fixed: &FixedNetwork, used: &[f64]) -> Vec<LayerReport> {
                 0 => (code(0), vec![fixed.analysis.fraction], fixed.analysis_shift(), name.to_owned()),
                 _ if layer + 1 == layers => {
                     let weights = std::iter::once(&fixed.dictionary).chain(&fixed.linear_path);
-                    let fraction = edof_image::number::OUTPUT_FRACTION;
+                    let fraction = edof_core::number::OUTPUT_FRACTION;
                     let weights = weights.map(|m| m.fraction).collect();
                     ((None, fraction), weights, fixed.final_shifts().result, name.to_owned())
                 }
@@ -183,7 +183,7 @@ mod tests {
 
     #[test]
     fn the_report_states_the_formats_of_every_layer() {
-        let mut fixed = edof_random::natural(8, 8, 1);
+        let mut fixed = edof_device::random::natural(8, 8, 1);
         fixed.recurrent[1].fraction = 15;
         let bits = fixed.accumulator_bits();
         let layer =

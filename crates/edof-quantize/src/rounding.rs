@@ -6,7 +6,7 @@
 //! nearest plane; the same as GPTQ, Frantar et al. 2023).
 
 use crate::Calibration;
-use edof_float::parameters::Layout;
+use edof_network::float::parameters::Layout;
 use edof_network::network::Form;
 use edof_numerics::Cholesky;
 use ndarray::{Array1, Array2, concatenate, s};
@@ -125,7 +125,7 @@ fn round(factor: &Cholesky, matrix: &Array2<f64>, fractions: &[u32], bits: u32) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::draw::Draw;
+    use edof_core::draw::Draw;
 
     /// Smooth inputs: a level and a little noise.
     fn inputs(n: usize) -> Vec<Vec<f64>> {
@@ -234,7 +234,7 @@ mod tests {
 
     fn form(tied: bool) -> Form {
         Form {
-            window: edof_image::Window::new(8).unwrap(),
+            window: edof_core::Window::new(8).unwrap(),
             codes: 2,
             layers: 4,
             shrinkage: edof_network::network::Shrinkage::OneSided,

@@ -1,12 +1,12 @@
 //! The integer network in floating point: every weight and code rounded to the words it will be, and a gradient that looks
 //! through the rounding (straight-through estimator: Bengio, Léonard, Courville 2013).
 
-use edof_float::format::Format;
-use edof_float::matmul::{Destination, Mat, product};
-use edof_float::pass::{Examples, Pass, weighted_errors};
-use edof_image::colour::{OUTPUTS_422, RGB_OUTPUTS, rgb_from_ycbcr};
-use edof_image::geometry::{PATCH, PATCH_PIXELS};
+use edof_core::colour::{OUTPUTS_422, RGB_OUTPUTS, rgb_from_ycbcr};
+use edof_core::geometry::{PATCH, PATCH_PIXELS};
 use edof_network::FixedNetwork;
+use edof_network::float::format::Format;
+use edof_network::float::matmul::{Destination, Mat, product};
+use edof_network::float::pass::{Examples, Pass, weighted_errors};
 use edof_network::network::Form;
 
 /// Formats of a fixed network's b_t and z_t.
@@ -16,7 +16,7 @@ pub fn code_formats(fixed: &FixedNetwork) -> Vec<Format> {
 }
 
 /// The 192×128 map from F's outputs back to red, green and blue of the patch: undoes chroma gain and averaging weight, and puts
-/// chroma between its sites as [`edof_image::colour::rgb_from_422`] does (at the last column, its neighbour).
+/// chroma between its sites as [`edof_core::colour::rgb_from_422`] does (at the last column, its neighbour).
 #[must_use]
 pub fn rgb_map(output_weights: &[f64]) -> Vec<f32> {
     let mut map = vec![0.0f32; RGB_OUTPUTS * OUTPUTS_422];
@@ -91,10 +91,10 @@ impl Simulated {
 mod tests {
     use super::*;
     use crate::fold::Folded;
-    use edof_float::parameters::Layout;
+    use edof_core::draw::Draw;
+    use edof_core::{Stride, Window};
     use edof_golden::scalar;
-    use edof_image::draw::Draw;
-    use edof_image::{Stride, Window};
+    use edof_network::float::parameters::Layout;
     use edof_network::network::{Recurrence, Shrinkage};
     use proptest::prelude::*;
 
@@ -130,11 +130,13 @@ mod tests {
         seed: u64,
     ) -> Result<(), TestCaseError> {
         let form = form(layers, flags);
-        let fixed = with_exact_sums(edof_random::extreme(form, 8, Stride::PATCH, false, seed));
+        let fixed = with_exact_sums(edof_device::random::extreme(form, 8, Stride::PATCH, false, seed));
         let weights = Folded::of(&fixed).flatten();
         // Eight bits of input, so that I's sums are exact too: 64 products of 8 by 8 bits.
-        let y: Vec<i16> =
-            edof_random::extreme_window(&mut Draw::new(seed), 64).iter().map(|w| w & 0x7f80).collect();
+        let y: Vec<i16> = edof_device::random::extreme_window(&mut Draw::new(seed), 64)
+            .iter()
+            .map(|w| w & 0x7f80)
+            .collect();
         let inputs: Vec<f32> = y.iter().map(|w| f32::from(*w) / 32768.0).collect();
         let mut pass = Simulated::new(form, &code_formats(&fixed), &rgb_map(&[1.0; 128]), 1);
         pass.forward(&weights, &inputs, 1);
@@ -213,7 +215,7 @@ mod tests {
     #[test]
     fn outputs_go_back_to_the_colours_they_came_from() {
         let stride = Stride::new(4).unwrap();
-        let overlap = edof_image::overlap::Overlap::Hann;
+        let overlap = edof_core::overlap::Overlap::Hann;
         let map = crate::fold::output_map(stride, overlap);
         let weights = crate::fold::output_weights(stride, overlap);
         let colour: Vec<f64> = (0..192).map(|i| [0.2, 0.5, 0.7][i / 64]).collect();
@@ -227,7 +229,7 @@ mod tests {
 
     #[test]
     fn codes_are_rounded_in_the_formats_of_the_words() {
-        let mut fixed = edof_random::extreme(form(4, [true; 4]), 12, Stride::PATCH, false, 1);
+        let mut fixed = edof_device::random::extreme(form(4, [true; 4]), 12, Stride::PATCH, false, 1);
         fixed.code_fractions = vec![3, 5, 4];
         let formats = code_formats(&fixed);
         assert_eq!(formats.iter().map(|f| f.step).collect::<Vec<_>>(), [0.125, 0.031_25, 0.0625]);

@@ -4,8 +4,8 @@
 //! range that they had; both are fixed networks as any other, so what they lose is measured on the golden pipeline itself.
 
 use crate::evaluate::Scene;
+use edof_core::{ColourFrame, ReconstructError};
 use edof_golden::Golden;
-use edof_image::{ColourFrame, ReconstructError};
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::{FixedMatrix, FixedNetworkError};
 use rayon::prelude::*;
@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn all_bits_are_the_network_itself_and_fewer_are_multiples() {
-        let fixed = edof_random::natural(8, 8, 1);
+        let fixed = edof_device::random::natural(8, 8, 1);
         assert_eq!(with_stage_bits(&fixed, &[16; 4]).unwrap(), fixed);
         let coarse = with_stage_bits(&fixed, &[12, 16, 10, 16]).unwrap();
         assert!(
@@ -163,7 +163,7 @@ mod tests {
 
     fn small(layers: usize, tied: bool) -> FixedNetwork {
         let form = edof_network::network::Form {
-            window: edof_image::Window::new(8).unwrap(),
+            window: edof_core::Window::new(8).unwrap(),
             codes: 2,
             layers,
             shrinkage: edof_network::network::Shrinkage::OneSided,
@@ -171,7 +171,7 @@ mod tests {
             linear_path: true,
             tied,
         };
-        edof_random::extreme(form, 8, edof_image::Stride::PATCH, false, 2)
+        edof_device::random::extreme(form, 8, edof_core::Stride::PATCH, false, 2)
     }
 
     #[test]
@@ -258,20 +258,20 @@ mod tests {
     #[test]
     fn the_mean_is_over_scenes_in_their_tone() {
         let sharp = [0.25, 0.75].map(|v| ColourFrame { planes: ndarray::Array3::from_elem((3, 16, 16), v) });
-        let raw = edof_image::RawFrame::from_values(
+        let raw = edof_core::RawFrame::from_values(
             ndarray::Array2::from_elem((16, 16), 1000),
             12,
-            edof_image::CfaPhase::Rggb,
+            edof_core::CfaPhase::Rggb,
         );
         let raw = raw.unwrap();
         let scene = |sharp, tone| Scene { name: String::new(), raw: raw.clone(), sharp, tone };
-        let scenes = [scene(&sharp[0], edof_image::Tone::Linear), scene(&sharp[1], edof_image::Tone::Srgb)];
-        let network = edof_random::natural(8, 8, 1);
+        let scenes = [scene(&sharp[0], edof_core::Tone::Linear), scene(&sharp[1], edof_core::Tone::Srgb)];
+        let network = edof_device::random::natural(8, 8, 1);
         let of = |picture: &ColourFrame| f64::from(picture.planes.mean().unwrap());
         let psnr =
             |sharp: &ColourFrame, other: &ColourFrame| Ok::<_, StageBitsError>(8.0 * of(sharp) + of(other));
         let light = Golden::new(network.clone()).unwrap().frame(&raw).unwrap().colour();
-        let expected = 0.5 * (2.0 + of(&light) + 6.0 + of(&edof_image::Tone::Srgb.encoded(&light)));
+        let expected = 0.5 * (2.0 + of(&light) + 6.0 + of(&edof_core::Tone::Srgb.encoded(&light)));
         let found = mean_db(network.clone(), &scenes, psnr).unwrap();
         assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         assert_eq!(mean_db(network, &[], psnr), Ok(0.0));

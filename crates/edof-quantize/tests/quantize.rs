@@ -1,21 +1,21 @@
 //! Integers stand for the float network: every layer's words are its values, to the LSB.
 
-use edof_camera::Camera;
-use edof_float::parameters::flatten;
-use edof_float::pass::Pass;
-use edof_float::reconstruct::{FloatReconstructor, Output};
+use edof_core::camera::Camera;
+use edof_core::draw::Draw;
+use edof_core::number::INPUT_FRACTION;
+use edof_core::overlap::Overlap;
+use edof_core::storage::provenance::Provenance;
+use edof_core::{CfaPhase, ColourFrame, Geometry, RawFrame, Reconstructor, Stride, Tone, Window};
 use edof_golden::{Golden, GoldenReconstructor, scalar};
-use edof_image::draw::Draw;
-use edof_image::number::INPUT_FRACTION;
-use edof_image::overlap::Overlap;
-use edof_image::{CfaPhase, ColourFrame, Geometry, RawFrame, Reconstructor, Stride, Tone, Window};
 use edof_network::Network;
+use edof_network::float::parameters::flatten;
+use edof_network::float::pass::Pass;
+use edof_network::float::reconstruct::{FloatReconstructor, Output};
 use edof_network::network::{Form, NetworkError, Origin, Recurrence, Shrinkage};
 use edof_optics::sensor::{Sensor, expose};
 use edof_quantize::{
     Calibration, FinetuneOptions, FinetuneProgress, QuantizeError, QuantizeOptions, finetune, fold, quantize,
 };
-use edof_storage::provenance::Provenance;
 use edof_train::dataset::{Dataset, DatasetOptions};
 use edof_train::noise::Conditions;
 use edof_train::recipe::Recipe;

@@ -3,14 +3,14 @@
 //! Synthetic scenes are light, and all pictures of them are shown encoded; the tone says which of the two is measured.
 
 use crate::lens::in_metres;
+use crate::metrics::MetricError;
 use crate::pictures::{self, Names, Part, Picture, Truth};
-use edof_camera::Camera;
-use edof_image::{ColourFrame, Noise, RawFrame, ReconstructError, Reconstructor, Tone};
-use edof_metrics::MetricError;
+use crate::report::picture::{caption, sheet, stacked};
+use edof_core::camera::Camera;
+use edof_core::{ColourFrame, Noise, RawFrame, ReconstructError, Reconstructor, Tone};
 use edof_optics::capture::{Approximation, CaptureError, capture};
 use edof_optics::scene::Scene;
 use edof_optics::sensor::Sensor;
-use edof_report::picture::{caption, sheet, stacked};
 use serde::Serialize;
 use std::ops::ControlFlow;
 

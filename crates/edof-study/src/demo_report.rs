@@ -1,11 +1,11 @@
 //! The demo's report: the verdict first, where we lose in words, then pictures, enlarged parts of each depth, and numbers.
 
 use crate::demo::{Demo, DemoError};
+use crate::metrics::BORDER;
 use crate::pictures::{self, Part, Picture, capitalised};
-use edof_image::{ColourFrame, Tone};
-use edof_metrics::BORDER;
-use edof_report::picture::{jpeg, png};
-use edof_report::{Figure, Layout, Report};
+use crate::report::picture::{jpeg, png};
+use crate::report::{Figure, Layout, Report};
+use edof_core::{ColourFrame, Tone};
 
 impl Demo {
     /// The report, pictures inside; `command` is the command that makes it again.

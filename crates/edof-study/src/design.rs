@@ -1,10 +1,10 @@
 //! What foldings of networks are worth: dB against cycles, multipliers and frames per second, and which of them are Pareto-optimal.
 
 use crate::made::Made;
+use crate::report::Report;
+use crate::report::Table;
+use crate::report::plot::{Axis, Mark, PALETTE, Plot, SMALL, Series};
 use crate::verdict::listed;
-use edof_report::Report;
-use edof_report::Table;
-use edof_report::plot::{Axis, Mark, PALETTE, Plot, SMALL, Series};
 use serde::Serialize;
 
 /// A folding of a network.

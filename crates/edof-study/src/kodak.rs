@@ -8,17 +8,17 @@
 
 use crate::experiment::Experiment;
 use crate::journal::{Key, Line, Ordered, Proof, settings};
+use crate::methods::method::{Family, Method};
+use crate::methods::spec::Ready;
+use crate::metrics::BORDER;
+use crate::report::picture::Encoded;
 use crate::setup::Setup;
 use crate::trial::{Measured, Trial, TrialError, sensor};
-use edof_image::{Noise, Tone};
+use edof_core::storage::digest::sha256;
+use edof_core::storage::provenance::Input;
+use edof_core::{Noise, Tone};
 use edof_io::photos::Photo;
-use edof_methods::method::{Family, Method};
-use edof_methods::spec::Ready;
-use edof_metrics::BORDER;
 use edof_optics::psf::{Psf, Settings, channel_psfs};
-use edof_report::picture::Encoded;
-use edof_storage::digest::sha256;
-use edof_storage::provenance::Input;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

@@ -1,13 +1,13 @@
 //! Figures of a camera's optics: MTF at several depths, contrast through focus (the paper's Figure 1), and a sheet of PSFs.
 
-use edof_camera::Camera;
-use edof_image::{Channel, ColourFrame, Tone};
+use crate::report::picture::{caption, enlarged, psf_picture, sheet, stacked};
+use crate::report::plot::{Axis, Mark, Plot, Series, USUAL, sequential};
+use edof_core::camera::Camera;
+use edof_core::{Channel, ColourFrame, Tone};
 use edof_optics::bank;
 use edof_optics::depth::distance_m;
 use edof_optics::mtf::{Footprint, green_cutoff_per_mm, otf, through_focus};
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
-use edof_report::picture::{caption, enlarged, psf_picture, sheet, stacked};
-use edof_report::plot::{Axis, Mark, Plot, Series, USUAL, sequential};
 use ndarray::Array2;
 
 /// Points of a curve.

@@ -1,9 +1,11 @@
 //! Experiments: what is measured, on what, and what the rows say together.
 //!
-//! Metrics are `edof-metrics`, plots, tables and pages `edof-report`, reconstruction methods `edof-methods`.
-//!
 //! | what | module | gives |
 //! |---|---|---|
+//! | parts | [`methods`] | every reconstruction method behind one interface |
+//! | | [`metrics`] | what a reconstruction is worth, and what it costs |
+//! | | [`report`] | plots, tables, CSV and HTML pages |
+//! | | [`stability`] | hard cases and their acceptance limits |
 //! | shared | [`experiment`] | what all experiments share: missing rows, shards, progress, an end before the end |
 //! | | [`journal`] | rows in a file, shared out among machines, put together again |
 //! | | [`study_report`] | what a file of rows says, whatever study it is of |
@@ -37,11 +39,15 @@ pub mod known_blurs;
 pub mod kodak;
 pub mod lens;
 pub mod made;
+pub mod methods;
+pub mod metrics;
 pub mod multi_depth;
 pub mod pictures;
+pub mod report;
 pub mod setup;
 pub mod single_depth;
 pub mod speed;
+pub mod stability;
 pub mod study_report;
 pub mod summary;
 pub mod tables;

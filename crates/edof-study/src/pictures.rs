@@ -1,9 +1,9 @@
 //! What lenses and methods made of one scene of several depths: how near each picture comes to the scene, in a table and in words.
 
-use edof_image::{ColourFrame, Tone};
-use edof_metrics::{BORDER, MetricError, Quality, decibel, luma, shown};
+use crate::metrics::{BORDER, MetricError, Quality, decibel, luma, shown};
+use crate::report::Table;
+use edof_core::{ColourFrame, Tone};
 use edof_optics::scene::Scene;
-use edof_report::Table;
 use ndarray::{Array2, ArrayView2, s};
 use serde::{Deserialize, Serialize};
 
@@ -24,7 +24,7 @@ pub struct Picture {
     /// Quality of the light; the same where light is what is measured.
     pub light: Quality,
     /// PSNR of the picture where each depth is seen: pairs of ψ and dB, ψ ascending.
-    #[serde(with = "edof_metrics::number::pairs")]
+    #[serde(with = "crate::metrics::number::pairs")]
     pub psi_db: Vec<[f64; 2]>,
     /// Seconds that the method took.
     pub seconds: f64,

@@ -1,8 +1,8 @@
 //! Cameras and the methods that are measured behind each.
 
-use edof_camera::Camera;
-use edof_methods::nets::Entry;
-use edof_methods::spec::MethodSpec;
+use crate::methods::nets::Entry;
+use crate::methods::spec::MethodSpec;
+use edof_core::camera::Camera;
 
 /// A camera and the methods that stand behind it.
 pub struct Setup {
@@ -41,17 +41,17 @@ pub fn setups(nets: Vec<Entry>) -> Result<Vec<Setup>, NetTwice> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::Stride;
-    use edof_methods::nets::Net;
+    use crate::methods::nets::Net;
+    use edof_core::Stride;
     use edof_network::{FixedNetwork, Network};
 
     fn float(camera: &str) -> Network {
-        edof_random::silent(Camera::resolve(camera).unwrap())
+        edof_device::random::silent(Camera::resolve(camera).unwrap())
     }
 
     /// Fixed weights made from the float weights of hash `h`.
     fn fixed() -> (FixedNetwork, String) {
-        let network = edof_random::natural(8, 8, 7);
+        let network = edof_device::random::natural(8, 8, 7);
         (FixedNetwork { float_hash: "h".into(), ..network }, "f".into())
     }
 

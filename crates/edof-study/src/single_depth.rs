@@ -6,17 +6,17 @@
 
 use crate::experiment::Experiment;
 use crate::journal::{Key, Line, Ordered, Proof, settings};
+use crate::methods::method::{Family, Format, Method};
+use crate::methods::spec::{MethodSpec, Ready};
+use crate::metrics::BORDER;
+use crate::metrics::timing::{Range, Timed, timed};
 use crate::trial::{Measured, Trial, TrialError, sensor};
-use edof_camera::Camera;
-use edof_image::{Noise, RawFrame, Tone};
+use edof_core::camera::Camera;
+use edof_core::storage::digest::sha256;
+use edof_core::storage::provenance::Input;
+use edof_core::{Noise, RawFrame, Tone};
 use edof_io::photos::Photo;
-use edof_methods::method::{Family, Format, Method};
-use edof_methods::spec::{MethodSpec, Ready};
-use edof_metrics::BORDER;
-use edof_metrics::timing::{Range, Timed, timed};
 use edof_optics::psf::{Psf, Settings, channel_psfs};
-use edof_storage::digest::sha256;
-use edof_storage::provenance::Input;
 use serde::{Deserialize, Serialize};
 
 /// What is measured.

@@ -2,9 +2,9 @@
 
 use crate::journal::Line;
 use crate::made::Made;
+use crate::report::Report;
+use crate::report::csv;
 use edof_optics::draw::DrawError;
-use edof_report::Report;
-use edof_report::csv;
 use serde::Serialize;
 
 /// A study made from its rows.

@@ -1,10 +1,10 @@
 //! What an experiment's rows say together: averages, worst depths, what fixed point and 4:2:2 cost.
 
+use crate::methods::method::{Format, Method};
+use crate::metrics::paired::Paired;
+use crate::metrics::{BORDER, Quality};
 use crate::trial::{Measured, Work};
-use edof_image::{Noise, Tone};
-use edof_methods::method::{Format, Method};
-use edof_metrics::paired::Paired;
-use edof_metrics::{BORDER, Quality};
+use edof_core::{Noise, Tone};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -2,18 +2,18 @@
 
 use crate::kodak::Row;
 use crate::made::Made;
+use crate::methods::method::{Family, Format, Method};
+use crate::report::picture::Encoded;
+use crate::report::plot::{Axis, Mark, PALETTE, Plot, SMALL, Series};
+use crate::report::{Figure, Layout, Report, Table, csv};
 use crate::study_report::{StudyReport, StudyReportError};
 use crate::summary::{self, Crop, DepthCurve, MethodSummary, Study, Summary};
 use crate::trial::{Measured, Work};
 use crate::verdict::listed;
-use edof_image::noise::SensorNoise;
-use edof_image::words::count;
-use edof_image::{Noise, Tone};
+use edof_core::noise::SensorNoise;
+use edof_core::words::count;
+use edof_core::{Noise, Tone};
 use edof_io::photos::choices;
-use edof_methods::method::{Family, Format, Method};
-use edof_report::picture::Encoded;
-use edof_report::plot::{Axis, Mark, PALETTE, Plot, SMALL, Series};
-use edof_report::{Figure, Layout, Report, Table, csv};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 

@@ -1,17 +1,17 @@
 //! One photograph at one depth behind one camera: what the sensor gives, and what a reconstruction of it is worth.
 
+use crate::methods::method::Method;
+use crate::methods::spec::PrepareError;
+use crate::metrics::{BORDER, MetricError, Quality, luma, shown};
 use crate::pictures::busiest_part;
-use edof_camera::Camera;
-use edof_image::reconstructor::Multiplications;
-use edof_image::{ColourFrame, Noise, RawFrame, ReconstructError, Reconstruction, Tone};
+use crate::report::picture::{Encoded, jpeg};
+use edof_core::camera::Camera;
+use edof_core::reconstructor::Multiplications;
+use edof_core::{ColourFrame, Noise, RawFrame, ReconstructError, Reconstruction, Tone};
 use edof_io::photos::Photo;
-use edof_methods::method::Method;
-use edof_methods::spec::PrepareError;
-use edof_metrics::{BORDER, MetricError, Quality, luma, shown};
 use edof_optics::blur::blur_frame;
 use edof_optics::psf::{NoPsf, Psf};
 use edof_optics::sensor::{Sensor, SensorError, expose};
-use edof_report::picture::{Encoded, jpeg};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

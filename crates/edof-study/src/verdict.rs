@@ -1,6 +1,6 @@
 //! Verdicts of a study in sentences, computed from the rows in either direction.
 
-use edof_metrics::paired::Paired;
+use crate::metrics::paired::Paired;
 
 /// Smaller differences in dB are no difference to a viewer.
 pub(crate) const TIE_DB: f64 = 0.05;

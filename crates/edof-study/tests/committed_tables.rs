@@ -1,17 +1,17 @@
 //! The rows that README.md and docs/results.md quote are those of docs/results; those are what their rows say; rows and pages say of which clean
 //! revision they are; and a page of networks that ship is of the weights that ship.
 
-use edof_image::Stride;
+use edof_core::Stride;
+use edof_core::storage::provenance::Provenance;
 use edof_io::photos::{CHOICES, HELD_BACK, OF_HELD_BACK};
-use edof_methods::nets::Net;
-use edof_methods::nets_by_noise;
 use edof_network::weight_file;
-use edof_storage::provenance::Provenance;
 use edof_study::aperture::networks::ApertureNetworks;
 use edof_study::journal::{Header, Journal, Maker, Program};
 use edof_study::knobs::Knobs;
 use edof_study::known_blurs::KnownBlurs;
 use edof_study::made::{Made, OLD, machines};
+use edof_study::methods::nets::Net;
+use edof_study::methods::nets_by_noise;
 use edof_study::speed::Speed;
 use edof_study::study_report::StudyReport;
 use edof_study::summary::Study;

@@ -3,8 +3,8 @@
 //! `cargo run --release -p edof-train --example throughput -- DATA.safetensors [THREADS]` writes 32,768 windows, their patches, and
 //! the starting weights to DATA, then trains for 10 seconds and prints one JSON line. `benches/peers/train_pytorch.sh` runs both.
 
-use edof_camera::Camera;
-use edof_image::Window;
+use edof_core::Window;
+use edof_core::camera::Camera;
 use edof_network::network::{Form, Recurrence, Shrinkage};
 use edof_numerics::random::Random;
 use edof_optics::draw::leaves;
@@ -74,13 +74,13 @@ fn export(
     let bytes = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
     let tensors = [
         ("inputs", vec![WINDOWS, form.window.pixels()], bytes(&batch.inputs)),
-        ("targets", vec![WINDOWS, edof_image::colour::RGB_OUTPUTS], bytes(&batch.targets)),
+        ("targets", vec![WINDOWS, edof_core::colour::RGB_OUTPUTS], bytes(&batch.targets)),
         ("weights", vec![weights.len()], bytes(&weights)),
     ];
     let views = tensors
         .iter()
         .map(|(name, shape, bytes)| Ok((*name, TensorView::new(Dtype::F32, shape.clone(), bytes)?)))
         .collect::<Result<Vec<_>, safetensors::SafeTensorError>>()?;
-    edof_storage::atomic::write(path, &safetensors::serialize(views, None)?)?;
+    edof_core::storage::atomic::write(path, &safetensors::serialize(views, None)?)?;
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Other looks of the same photograph: more or less saturated, turned in hue, reduced. They are made before the blur, because the
 //! blur differs by colour.
 
-use edof_image::ColourFrame;
+use edof_core::ColourFrame;
 use edof_numerics::random::Random;
 use ndarray::Array3;
 use serde::{Deserialize, Serialize};

@@ -4,7 +4,7 @@
 //! ways that leave the camera's PSFs as they are), mosaiced afterwards, and given light and noise of their own at every draw. A block of each
 //! photograph is kept for validation ([`crate::holdout`]). Where asked for, a photograph comes in several looks
 //! ([`crate::augment`]). Lens and sensor see light; what the sensor gives and what the patch should be is then encoded in the photographs'
-//! tone ([`edof_image::Tone`]), as the network takes and gives it.
+//! tone ([`edof_core::Tone`]), as the network takes and gives it.
 
 mod kept;
 mod lens;
@@ -13,12 +13,12 @@ use crate::augment::Augmentation;
 use crate::encoding::encode;
 use crate::holdout::Holdout;
 use crate::noise::{Conditions, NOISE_CLASSES, expose};
-use edof_camera::Camera;
-use edof_float::pass::Examples;
-use edof_image::cfa::CfaPhase;
-use edof_image::colour::RGB_OUTPUTS;
-use edof_image::geometry::PATCH;
-use edof_image::{ColourFrame, Noise, Tone, Window};
+use edof_core::camera::Camera;
+use edof_core::cfa::CfaPhase;
+use edof_core::colour::RGB_OUTPUTS;
+use edof_core::geometry::PATCH;
+use edof_core::{ColourFrame, Noise, Tone, Window};
+use edof_network::float::pass::Examples;
 use edof_numerics::random::Random;
 use edof_optics::blur::Blur;
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};

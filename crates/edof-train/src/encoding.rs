@@ -1,4 +1,4 @@
-//! sRGB's curve, fast enough for every value of every window: the same function as [`edof_image::Tone::encode`] to within 5·10⁻⁶, by two
+//! sRGB's curve, fast enough for every value of every window: the same function as [`edof_core::Tone::encode`] to within 5·10⁻⁶, by two
 //! square roots and a polynomial.
 
 /// Up to here the curve is a straight line through black.
@@ -20,7 +20,7 @@ pub(crate) fn encode(light: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::Tone;
+    use edof_core::Tone;
     use proptest::prelude::*;
 
     proptest! {

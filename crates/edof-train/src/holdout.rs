@@ -93,7 +93,7 @@ impl Holdout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_camera::Camera;
+    use edof_core::camera::Camera;
     use edof_optics::psf::{Settings, channel_psfs};
     use ndarray::Array2;
     use proptest::prelude::*;
@@ -103,7 +103,7 @@ mod tests {
         let mut seen = Array2::from_elem(size, false);
         let around = |start: usize, n: usize| {
             let (first, last) = (start as isize - reach as isize, (start + side + reach) as isize);
-            (first..last).map(move |i| edof_image::geometry::mirror(i, n))
+            (first..last).map(move |i| edof_core::geometry::mirror(i, n))
         };
         for r in around(row, size.0) {
             around(column, size.1).for_each(|c| seen[(r, c)] = true);

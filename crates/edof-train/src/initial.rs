@@ -2,14 +2,14 @@
 
 use crate::dataset::Batch;
 use crate::structure::Structure;
-use edof_float::parameters::Layout;
-use edof_float::pass::Pass;
-use edof_image::colour::RGB_OUTPUTS;
+use edof_core::colour::RGB_OUTPUTS;
+use edof_network::float::parameters::Layout;
+use edof_network::float::pass::Pass;
 use edof_network::network::{Form, Shrinkage};
 use edof_numerics::random::Random;
+use edof_numerics::sparse::dictionary::{Effort, Learned, optimal_directions};
+use edof_numerics::sparse::lasso::step_bound;
 use edof_numerics::{Cholesky, least_squares};
-use edof_sparse::dictionary::{Effort, Learned, optimal_directions};
-use edof_sparse::lasso::step_bound;
 use ndarray::{Array1, Array2, ArrayView2, Axis, concatenate, s};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;

@@ -7,12 +7,12 @@
 use crate::dataset::{Batch, Dataset, DatasetError, DatasetOptions, Place};
 use crate::recipe::{Recipe, RecipeError, value};
 use crate::train::Trainer;
-use edof_camera::Camera;
-use edof_camera::camera::{Delay, MAX_HEIGHT_UM, Ring, Sign};
-use edof_float::parameters::{Layout, flatten};
-use edof_float::pass::{Pass, weighted_errors};
-use edof_image::colour::RGB_OUTPUTS;
-use edof_image::{ColourFrame, Noise, Tone};
+use edof_core::camera::Camera;
+use edof_core::camera::{Delay, MAX_HEIGHT_UM, Ring, Sign};
+use edof_core::colour::RGB_OUTPUTS;
+use edof_core::{ColourFrame, Noise, Tone};
+use edof_network::float::parameters::{Layout, flatten};
+use edof_network::float::pass::{Pass, weighted_errors};
 use edof_network::network::Network;
 use edof_numerics::random::Random;
 use edof_optics::gradient::{GradientError, Parameter, parameters, psf_gradient};

@@ -1,4 +1,4 @@
-//! Training of the float network: data, recipe, optimiser, checkpoints. Forward pass and gradient are in `edof-float`.
+//! Training of the float network: data, recipe, optimiser, checkpoints. Forward pass and gradient are in `edof_network::float`.
 //!
 //! | step | module | gives |
 //! |---|---|---|
@@ -7,7 +7,7 @@
 //! | | [`holdout`] | the part of each photograph that training keeps away from |
 //! | start | [`initial`] | a first network: random analysis, or ISTA's matrices from a dictionary |
 //! | coordinates | [`precondition`] | whitened windows, so that training is well conditioned |
-//! | batch | [`edof_float::pass`] | forward pass and gradient |
+//! | batch | [`edof_network::float::pass`] | forward pass and gradient |
 //! | weights | [`weighting`], [`budget`] | weight of a window's error, and cost of a non-zero |
 //! | step | [`adam`] | new weights |
 //! | | [`structure`] | what weights keep to, so that a circuit could multiply less |

@@ -4,7 +4,7 @@
 //! a sensor's (photons and read-out, at a gain uniform in stops) on light. Photons are counted as a normal number of their
 //! variance, which from a dozen on is what Poisson gives.
 
-use edof_image::{Noise, Tone};
+use edof_core::{Noise, Tone};
 use edof_numerics::random::Random;
 use serde::{Deserialize, Serialize};
 

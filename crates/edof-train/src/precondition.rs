@@ -3,8 +3,8 @@
 //! Neighbouring pixels are nearly equal, so one small step of all of A's entries moves every code a lot along the mean and
 //! hardly at all along what is fine. With E[y·yᵀ] = L·Lᵀ, training moves A′ = A·L and R′ = R·L instead; the network is unchanged.
 
-use edof_float::matmul::{Destination, Mat, product};
-use edof_float::parameters::Layout;
+use edof_network::float::matmul::{Destination, Mat, product};
+use edof_network::float::parameters::Layout;
 use edof_numerics::Cholesky;
 use ndarray::Array2;
 use rayon::prelude::*;
@@ -102,7 +102,7 @@ fn second_moment(values: &[f32], n: usize, floor: f64) -> Array2<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::Window;
+    use edof_core::Window;
     use edof_network::network::{Form, Recurrence, Shrinkage};
     use edof_numerics::random::Random;
 

@@ -2,8 +2,8 @@
 //! what its structure is worth is measured in docs/results/forms.md.
 
 use crate::precondition::Precondition;
-use edof_float::parameters::Layout;
-use edof_image::geometry::{PATCH, PATCH_PIXELS};
+use edof_core::geometry::{PATCH, PATCH_PIXELS};
+use edof_network::float::parameters::Layout;
 use edof_network::network::Form;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -182,7 +182,7 @@ fn weakest(weights: &[f32], matrix: &Range<usize>, columns: usize, share: f32) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::Window;
+    use edof_core::Window;
     use edof_network::network::{Recurrence, Shrinkage};
     use edof_numerics::random::Random;
 
@@ -205,7 +205,7 @@ mod tests {
 
     /// Windows through the network.
     fn outputs(weights: &[f32], window: &[f32]) -> Vec<f32> {
-        let mut pass = edof_float::pass::Pass::new(form(), 1);
+        let mut pass = edof_network::float::pass::Pass::new(form(), 1);
         pass.forward(weights, window, 1).to_vec()
     }
 

@@ -11,13 +11,13 @@ use crate::structure::Held;
 use crate::threads::Pool;
 use crate::validation::{Validation, ValidationSets};
 use crate::weighting::remember;
-use edof_camera::Camera;
-use edof_float::parameters::{Layout, flatten, unflatten};
-use edof_float::pass::Pass;
-use edof_image::{Noise, Tone};
+use edof_core::camera::Camera;
+use edof_core::storage::provenance::Provenance;
+use edof_core::{Noise, Tone};
+use edof_network::float::parameters::{Layout, flatten, unflatten};
+use edof_network::float::pass::Pass;
 use edof_network::network::{Condition, Form, Network, Origin, Shrinkage};
 use edof_numerics::random::Random;
-use edof_storage::provenance::Provenance;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 

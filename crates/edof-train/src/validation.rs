@@ -5,8 +5,8 @@
 
 use crate::dataset::{Batch, Dataset, Place};
 use crate::noise::Conditions;
-use edof_float::pass::Pass;
-use edof_image::Noise;
+use edof_core::Noise;
+use edof_network::float::pass::Pass;
 use edof_network::network::Form;
 use edof_numerics::mean;
 use edof_numerics::random::Random;

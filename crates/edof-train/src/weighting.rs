@@ -1,7 +1,7 @@
 //! How much windows of easy and of hard cells weigh: by the running mean error of the cell (photograph, tone, ψ, noise class)
 //! that they come from.
 
-use edof_image::colour::RGB_OUTPUTS;
+use edof_core::colour::RGB_OUTPUTS;
 use serde::{Deserialize, Serialize};
 
 /// How much windows of easy and of hard cells weigh.

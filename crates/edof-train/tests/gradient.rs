@@ -1,10 +1,10 @@
 //! The hand-written gradient, compared with finite differences in f64, group of weights by group; then f32 is compared with f64.
 
-use edof_float::parameters::Layout;
-use edof_float::pass::{Examples, Pass};
-use edof_float::real::Real;
-use edof_image::Window;
-use edof_image::colour::RGB_OUTPUTS;
+use edof_core::Window;
+use edof_core::colour::RGB_OUTPUTS;
+use edof_network::float::parameters::Layout;
+use edof_network::float::pass::{Examples, Pass};
+use edof_network::float::real::Real;
 use edof_network::network::{Form, Recurrence, Shrinkage};
 use edof_numerics::random::Random;
 use std::collections::BTreeMap;

@@ -1,9 +1,9 @@
 //! Lens and network together: the gradient through network, mosaic and blur, and rounds of a search.
 
-use edof_camera::Camera;
-use edof_camera::camera::Delay;
-use edof_float::parameters::{Layout, unflatten};
-use edof_image::{ColourFrame, Tone, Window};
+use edof_core::camera::Camera;
+use edof_core::camera::Delay;
+use edof_core::{ColourFrame, Tone, Window};
+use edof_network::float::parameters::{Layout, unflatten};
 use edof_network::network::{Form, Network, Origin, Recurrence, Shrinkage};
 use edof_numerics::random::Random;
 use edof_optics::psf::{Settings, channel_psfs};

@@ -1,10 +1,10 @@
 //! Training as a whole: it learns, it is reproducible, it resumes, with any number of threads.
 
-use edof_camera::Camera;
-use edof_image::{ColourFrame, Tone, Window};
+use edof_core::camera::Camera;
+use edof_core::storage::provenance::{Input, Provenance};
+use edof_core::{ColourFrame, Tone, Window};
 use edof_network::network::{Form, Recurrence, Shrinkage};
 use edof_numerics::random::Random;
-use edof_storage::provenance::{Input, Provenance};
 use edof_train::augment::Augmentation;
 use edof_train::budget::Budget;
 use edof_train::checkpoint::{self, CheckpointError, Run};

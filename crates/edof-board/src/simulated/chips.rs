@@ -1,11 +1,11 @@
-//! The video chips of a simulated board (`edof-chips`), set up and polled as the circuit does it; a source and a screen at their cables.
+//! The video chips of a simulated board (`edof_board::chip_models`), set up and polled as the circuit does it; a source and a screen at their cables.
 
 use super::Time;
 use super::setup::{ChipBus, Setup};
-use edof_chips::adv7611::State;
-use edof_chips::hdmi::{Axis, Timing};
-use edof_chips::master::Error;
-use edof_chips::{Delays, Imageon, Kc705, LowHotPlug, Master, Screen, Source, Wires};
+use crate::chip_models::adv7611::State;
+use crate::chip_models::hdmi::{Axis, Timing};
+use crate::chip_models::master::Error;
+use crate::chip_models::{Delays, Imageon, Kc705, LowHotPlug, Master, Screen, Source, Wires};
 use edof_device::design::FrameSize;
 use edof_device::i2c::{self, Cause};
 use edof_device::video::{self, VideoTiming};

@@ -1,7 +1,7 @@
 //! Faults that a test gives to a simulated board, to see whether a host finds them. Without any it is right.
 
 use super::{Simulated, video::Pixels};
-use edof_image::RawFrame;
+use edof_core::RawFrame;
 use edof_network::FixedNetwork;
 
 /// What is wrong with a board.

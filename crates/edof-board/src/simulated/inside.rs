@@ -9,6 +9,7 @@ use super::faults::Faults;
 use super::memory::{self, Stage};
 use super::uart::Bus;
 use super::video::{self, Made, Pixels, Tables};
+use edof_core::{DisplayMode, RawFrame};
 use edof_device::Design;
 use edof_device::design::StagePlan;
 use edof_device::design::memory::{self as memory_map, Space, TABLES, WHOLE_CHAIN};
@@ -19,7 +20,6 @@ use edof_device::registers::identity::design_hash;
 use edof_device::registers::map::{self, DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHTS};
 use edof_device::registers::{Access, Window};
 use edof_golden::cycle::estimate;
-use edof_image::{DisplayMode, RawFrame};
 use edof_network::FixedNetwork;
 use std::collections::BTreeMap;
 

@@ -1,11 +1,11 @@
 //! What a calculator's stages hold: weights, thresholds, shifts, and what reads them back.
 
+use edof_core::colour::OUTPUTS_422;
+use edof_core::number::{INPUT_FRACTION, OUTPUT_FRACTION};
 use edof_device::design::memory::{CONTROL_SKIP, Shifts, row_bits, threshold_words};
 use edof_device::design::reading::{CHECK_FRAME_REGISTER, CHECK_REGISTER, READ_REGISTER, bank_rows, crc};
 use edof_device::design::stage::Kind;
 use edof_device::design::{BANK_LANES, BEAT, Design, StagePlan};
-use edof_image::colour::OUTPUTS_422;
-use edof_image::number::{INPUT_FRACTION, OUTPUT_FRACTION};
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::FixedMatrix;
 use edof_network::network::{Form, Recurrence};
@@ -227,8 +227,10 @@ mod tests {
             if seed % 2 == 1 {
                 design.form.recurrence = Recurrence::Difference;
             }
-            let (old, new) =
-                (edof_random::for_design(&design, 100 + seed), edof_random::for_design(&design, seed));
+            let (old, new) = (
+                edof_device::random::for_design(&design, 100 + seed),
+                edof_device::random::for_design(&design, seed),
+            );
             let mut stages: Vec<Stage> =
                 design.stages().map(|plan| Stage::new(&design, plan, [&old, &old])).collect();
             for (address, word) in writes(&design, &new, Set::Second) {

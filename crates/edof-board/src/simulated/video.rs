@@ -1,11 +1,11 @@
 //! The frames that go round in a simulated board, and the pictures that they become.
 
+use edof_core::RawFrame;
+use edof_core::display::{COLOUR_ADDRESS_BITS, DisplayMode, LUMA_ENTRIES};
 use edof_device::design::reading::{TABLE_ENTRIES, TABLE_ROWS, table_bank};
 use edof_golden::display::DisplayCounts;
 use edof_golden::trace::Counts;
 use edof_golden::{ColourTable, Display, Golden, LumaTable};
-use edof_image::RawFrame;
-use edof_image::display::{COLOUR_ADDRESS_BITS, DisplayMode, LUMA_ENTRIES};
 use edof_network::FixedNetwork;
 use std::sync::Arc;
 

@@ -5,11 +5,11 @@ use edof_board::Simulated;
 use edof_board::check::{Boundary, Checked};
 use edof_board::self_test::SelfTest;
 use edof_board::simulated::faults::Faults;
+use edof_core::RawFrame;
+use edof_core::cable::carried;
 use edof_device::pattern::Pattern;
 use edof_golden::video::pattern;
 use edof_golden::{Display, Golden};
-use edof_image::RawFrame;
-use edof_image::cable::carried;
 use edof_network::FixedNetwork;
 use std::ops::ControlFlow;
 

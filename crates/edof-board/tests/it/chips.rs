@@ -1,10 +1,10 @@
 //! The video chips of a board: how they are in words, their registers, and the receiver's clock where the FPGA samples well.
 
 use crate::common::{board, network, open, tiny};
+use edof_board::chip_models::{Eye, Screen};
 use edof_board::chips::{Bus, ChipRegister};
 use edof_board::diagnosis::findings;
 use edof_board::{Error, Simulated};
-use edof_chips::{Eye, Screen};
 use std::ops::ControlFlow;
 
 const SECOND: u64 = 1_000_000_000;

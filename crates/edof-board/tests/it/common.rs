@@ -4,12 +4,12 @@ use edof_board::link::PATIENCE;
 use edof_board::load::{Job, Loaded};
 use edof_board::simulated::Shown;
 use edof_board::{Board, Error, Line, Simulated};
+use edof_core::cable::carried;
+use edof_core::draw::Draw;
+use edof_core::{CfaPhase, RawFrame};
 use edof_device::Design;
 use edof_device::design::FrameSize;
 use edof_golden::{Display, Golden};
-use edof_image::cable::carried;
-use edof_image::draw::Draw;
-use edof_image::{CfaPhase, RawFrame};
 use edof_network::FixedNetwork;
 use ndarray::Array2;
 use std::ops::ControlFlow;
@@ -35,7 +35,7 @@ pub fn raw(design: &Design) -> RawFrame {
 
 /// A random network whose pictures are not like those of another seed.
 pub fn network(design: &Design, seed: u64) -> FixedNetwork {
-    edof_random::for_design(design, seed)
+    edof_device::random::for_design(design, seed)
 }
 
 /// A network that differs in a few thresholds alone.

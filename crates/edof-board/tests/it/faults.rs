@@ -5,9 +5,9 @@ use crate::common::{board, frames, job, load, network, picture, same_words, tiny
 use edof_board::faulty::{Fault, Faulty, Kind};
 use edof_board::simulated::Shown;
 use edof_board::{Error, Simulated};
+use edof_core::draw::Draw;
 use edof_device::Design;
 use edof_device::registers::map::WEIGHT_SET;
-use edof_image::draw::Draw;
 use edof_network::FixedNetwork;
 
 struct Bench {

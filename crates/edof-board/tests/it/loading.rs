@@ -4,13 +4,13 @@ use crate::common::{board, frames, job, load, network, open, picture, retrained,
 use edof_board::load::Job;
 use edof_board::simulated::Shown;
 use edof_board::{Board, Error};
+use edof_core::DisplayMode;
+use edof_core::draw::Draw;
 use edof_device::Design;
 use edof_device::design::memory::Set;
 use edof_device::registers::identity::weights_hash;
 use edof_device::registers::map;
 use edof_golden::{Curve, Display};
-use edof_image::DisplayMode;
-use edof_image::draw::Draw;
 use edof_network::{FixedNetwork, weight_file};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -133,7 +133,7 @@ fn what_does_not_fit_is_rejected_before_a_word_is_written() {
     let old = network(&design, 1);
     let mut simulated = board(&design, &old);
     let mut other_window = design.clone();
-    other_window.form.window = edof_image::Window::new(12).unwrap();
+    other_window.form.window = edof_core::Window::new(12).unwrap();
     let mut other_format = old.clone();
     other_format.code_bits = 12;
     let other_hash = Design { name: "another".into(), ..design.clone() };

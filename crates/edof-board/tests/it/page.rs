@@ -88,7 +88,7 @@ fn every_word_of_a_network_belongs_where_the_table_of_the_page_says() {
     let form = Form { recurrence: Recurrence::Difference, linear_path: false, ..tiny.form };
     let difference = Design { name: "difference".into(), form, ..tiny };
     for design in committed.into_iter().chain([difference]) {
-        let network = edof_random::for_design(&design, 4);
+        let network = edof_device::random::for_design(&design, 4);
         for set in [Set::First, Set::Second] {
             let expected: BTreeMap<u32, u32> = writes(&design, &network, set).into_iter().collect();
             let found = by_the_page(&design, &network, set as usize);

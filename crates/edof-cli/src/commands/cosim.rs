@@ -10,6 +10,9 @@ use crate::memory as machine;
 use crate::ui::Ui;
 use crate::weights;
 use crate::windows::Shot;
+use edof_core::Noise;
+use edof_core::draw::Draw;
+use edof_core::words::number;
 use edof_cosim::chain::check::Difference;
 use edof_cosim::chain::device::{Device, Inputs};
 use edof_cosim::chain::folder::with_verilog_of;
@@ -22,12 +25,9 @@ use edof_device::Design;
 use edof_device::design::memory::{self, Set};
 use edof_golden::cycle::{Cycle, Patch, Stalls};
 use edof_hdl::project::{self, Project};
-use edof_image::Noise;
-use edof_image::draw::Draw;
-use edof_image::words::number;
 use edof_network::FixedNetwork;
-use edof_stability::case::{self, Case};
-use edof_stability::inputs;
+use edof_study::stability::case::{self, Case};
+use edof_study::stability::inputs;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -153,7 +153,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
             designs::fits_given(&design, &args.design, &network)?;
             network
         }
-        None => edof_random::for_design(&design, args.seed),
+        None => edof_device::random::for_design(&design, args.seed),
     };
     if args.system.system {
         let shot = args.shot();
@@ -202,7 +202,7 @@ fn patches(args: &Args, design: &Design, network: &FixedNetwork, ui: &Ui) -> Res
         let pixels = design.form.window.pixels();
         let patch = |_| Patch {
             set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },
-            window: edof_random::extreme_window(draw, pixels),
+            window: edof_device::random::extreme_window(draw, pixels),
         };
         return Ok((0..count).map(patch).collect());
     }
@@ -248,13 +248,14 @@ impl Run {
     /// Two random networks, written to both sets after whatever ran before, and windows through each by turns. Nothing is skipped, so that
     /// every word of the memories is multiplied.
     fn loaded(design: &Design, seed: u64) -> Self {
-        let networks = [1, 2].map(|more| edof_random::for_design(design, seed.wrapping_add(more)));
+        let networks = [1, 2].map(|more| edof_device::random::for_design(design, seed.wrapping_add(more)));
         let sets = [Set::First, Set::Second];
         let words = |(set, network): (Set, &FixedNetwork)| memory::writes(design, network, set);
         let writes = sets.into_iter().zip(&networks).flat_map(words).collect();
         let draw = &mut Draw::new(seed);
         let pixels = design.form.window.pixels();
-        let patch = |i: usize| Patch { set: sets[i % 2], window: edof_random::extreme_window(draw, pixels) };
+        let patch =
+            |i: usize| Patch { set: sets[i % 2], window: edof_device::random::extreme_window(draw, pixels) };
         let patches = (0..WINDOWS_OF_A_LOAD).map(patch).collect();
         let drive = Drive { flush: true, skip_zeros: Some(false), writes, ..Drive::default() };
         Self { networks, patches, drive }
@@ -381,6 +382,6 @@ fn write_junit(
     let name = "every word at every boundary, and every cycle".to_owned();
     let cases = vec![junit::Case { name, seconds, failure }];
     let suites = vec![junit::Suite { name: format!("cosim {}", design.name), cases }];
-    edof_storage::atomic::write(path, junit::Report { suites }.to_xml().as_bytes())?;
+    edof_core::storage::atomic::write(path, junit::Report { suites }.to_xml().as_bytes())?;
     Ok(())
 }

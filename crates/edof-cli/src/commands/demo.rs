@@ -6,14 +6,14 @@ use crate::files::Files;
 use crate::said;
 use crate::ui::Ui;
 use crate::{designs, interrupt, weights};
-use edof_camera::Camera;
+use edof_core::camera::Camera;
+use edof_core::{Noise, Reconstructor, Tone};
 use edof_deblur::Malvar;
 use edof_golden::GoldenReconstructor;
-use edof_image::{Noise, Reconstructor, Tone};
 use edof_optics::draw::{Builtin, draw, four_depths};
 use edof_optics::sensor::Sensor;
-use edof_report::picture;
 use edof_study::demo::{self, Demo, Lens};
+use edof_study::report::picture;
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -175,7 +175,7 @@ fn save(result: &Demo, board: Option<&Told>, args: &Args, ui: &Ui) -> Result<(),
     let shots =
         result.pictures.iter().map(|p| args.out.join(file_name(&p.lens, &p.treatment))).zip(&result.frames);
     for (file, light) in [(scene, &result.truth), (overview, &result.overview())].into_iter().chain(shots) {
-        edof_storage::atomic::write(&file, &picture::png(light, Tone::Srgb)?)?;
+        edof_core::storage::atomic::write(&file, &picture::png(light, Tone::Srgb)?)?;
     }
     Ok(())
 }

@@ -8,14 +8,14 @@ use crate::kind::Kind;
 use crate::said;
 use crate::ui::Ui;
 use crate::weights;
+use edof_core::Stride;
+use edof_core::colour::OUTPUTS_422;
 use edof_cosim::promise::Promise;
 use edof_device::Design;
 use edof_device::design::{FrameSize, StageSize};
 use edof_golden::cycle::estimate::estimate;
 use edof_golden::cycle::explore::foldings;
 use edof_hdl::resources::{self, XC7K325T};
-use edof_image::Stride;
-use edof_image::colour::OUTPUTS_422;
 use edof_io::raw::Size;
 use edof_network::network::Form;
 use serde_json::json;
@@ -124,7 +124,10 @@ impl New {
             ))
         })?;
         let promise = Promise::of(&design).map_err(|e| self.of_options(&e))?;
-        edof_storage::atomic::write(&self.out, (serde_json::to_string_pretty(&design)? + "\n").as_bytes())?;
+        edof_core::storage::atomic::write(
+            &self.out,
+            (serde_json::to_string_pretty(&design)? + "\n").as_bytes(),
+        )?;
         tell(&design, &promise, ui)?;
         ui.json(&json!({ "design": design, "out": self.out.display().to_string(), "promise": promise }))
     }
@@ -157,7 +160,7 @@ impl New {
     /// What is wrong, by the option that says so.
     fn of_options(&self, error: &edof_device::design::DesignError) -> Error {
         let text = error.to_string();
-        let clock = edof_image::words::number(self.clock_mhz);
+        let clock = edof_core::words::number(self.clock_mhz);
         match text.split([' ', ':']).next().unwrap_or_default() {
             "clock_mhz" => said::instead(&format!("--clock-mhz {clock}"), error),
             "frame" => said::instead(&format!("--size {}", self.size), error),

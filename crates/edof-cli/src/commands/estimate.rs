@@ -9,13 +9,13 @@ use crate::said;
 use crate::ui::Ui;
 use crate::weights;
 use crate::windows::Shot;
+use edof_core::Noise;
 use edof_cosim::chain::check::stage_names;
 use edof_cosim::estimate::{Estimated, Measured, Picture};
 use edof_device::Design;
 use edof_device::board;
 use edof_golden::cycle::estimate::StageCycles;
 use edof_hdl::resources::{Resources, XC7K325T};
-use edof_image::Noise;
 use edof_network::FixedNetwork;
 use std::path::PathBuf;
 

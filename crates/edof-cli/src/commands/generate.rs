@@ -7,9 +7,9 @@ use crate::said;
 use crate::ui::Ui;
 use crate::weights;
 use clap::ValueEnum;
+use edof_core::storage::folder;
 use edof_cosim::bitstream::{self, Sources};
 use edof_device::board;
-use edof_storage::folder;
 use std::path::PathBuf;
 
 /// Write the sources of a KC705 bitstream: a design, and a network in its memories

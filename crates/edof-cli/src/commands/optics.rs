@@ -9,9 +9,9 @@ use crate::lens::{self, Depth, DepthRange, Lens};
 use crate::npz::Npz;
 use crate::said;
 use crate::ui::Ui;
-use edof_camera::Camera;
-use edof_image::words::number;
-use edof_image::{Channel, Tone};
+use edof_core::camera::Camera;
+use edof_core::words::number;
+use edof_core::{Channel, Tone};
 use edof_optics::bank;
 use edof_optics::depth::distance_m;
 use edof_optics::design::{self, Found, Search};
@@ -19,9 +19,9 @@ use edof_optics::estimator::{Task, Verdict, judge};
 use edof_optics::mtf::{Footprint, green_cutoff_per_mm, otf, sampled_otf, through_focus};
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
 use edof_optics::statistics::Statistics;
-use edof_report::picture::png;
-use edof_report::plot::side_by_side;
 use edof_study::lens::{contrast_plot, mtf_plot, psf_sheet, without_mask};
+use edof_study::report::picture::png;
+use edof_study::report::plot::side_by_side;
 use ndarray::{Array1, Array2, Array3, Array4, aview1};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -210,9 +210,9 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let sheet = png(&psf_sheet(&[&camera, &clear], &psis, &settings)?, Tone::Linear)?;
     let depths = psis.iter().zip(&psfs).map(|(&psi, psfs)| shown(&camera, psi, psfs));
     let depths = depths.collect::<Result<Vec<_>, _>>()?;
-    edof_storage::atomic::write(&files[0], figure1.as_bytes())?;
-    edof_storage::atomic::write(&files[1], side_by_side(&[mtf_clear, mtf]).as_bytes())?;
-    edof_storage::atomic::write(&files[2], &sheet)?;
+    edof_core::storage::atomic::write(&files[0], figure1.as_bytes())?;
+    edof_core::storage::atomic::write(&files[1], side_by_side(&[mtf_clear, mtf]).as_bytes())?;
+    edof_core::storage::atomic::write(&files[2], &sheet)?;
     psf_numbers(&camera, &psis, &psfs)?.save(&files[3])?;
     mtf_numbers(&camera, &psis, &psfs)?.save(&files[4])?;
     ui.say(format!("{}: F/{:.2}, figures in {}", camera.name, camera.f_number(), args.out.display()))?;
@@ -272,7 +272,7 @@ fn shown(camera: &Camera, psi: f64, psfs: &[Psf; 3]) -> Result<ShownDepth, NoPsf
     })
 }
 
-/// The kernels as a PSF bank (`edof_camera::psf_bank`).
+/// The kernels as a PSF bank (`edof_core::camera::psf_bank`).
 fn psf_numbers(camera: &Camera, psis: &[f64], psfs: &[[Psf; 3]]) -> Result<Npz, Error> {
     let kernels: Vec<[&Array2<f32>; 3]> = psfs.iter().map(|p| p.each_ref().map(|psf| psf.kernel())).collect();
     let mut npz = Npz::new();
@@ -359,7 +359,7 @@ fn design(args: Design, ui: &Ui) -> Result<(), Error> {
     interrupt::check()?;
     camera.name = args.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     camera.source = args.source(&verdict, judged);
-    edof_storage::atomic::write(&args.out, camera.to_json().as_bytes())?;
+    edof_core::storage::atomic::write(&args.out, camera.to_json().as_bytes())?;
     let seconds = start.elapsed().as_secs_f64();
     let mut cameras =
         vec![Judged { name: camera.name.clone(), score_db: verdict.score_db, psnr_db: verdict.psnr_db }];

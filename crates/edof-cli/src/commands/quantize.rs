@@ -9,13 +9,14 @@ use crate::kind::Kind;
 use crate::said;
 use crate::ui::Ui;
 use crate::weights;
-use edof_float::reconstruct::{FloatReconstructor, Output};
+use edof_core::ColourFrame;
+use edof_core::overlap::Overlap;
+use edof_core::storage::provenance::Input;
+use edof_core::words::number;
 use edof_golden::Golden;
-use edof_image::ColourFrame;
-use edof_image::overlap::Overlap;
-use edof_image::words::number;
 use edof_io::photos::Selection;
 use edof_network::fixed_network::Quantized;
+use edof_network::float::reconstruct::{FloatReconstructor, Output};
 use edof_network::network::Origin;
 use edof_network::{FixedNetwork, Network, weight_file};
 use edof_quantize::bounds::{self, StageError};
@@ -24,7 +25,6 @@ use edof_quantize::{
     Calibration, Evaluation, FinetuneOptions, LayerReport, QuantizeError, QuantizeOptions, Scene, evaluate,
     finetune, quantize,
 };
-use edof_storage::provenance::Input;
 use edof_train::dataset::{Dataset, DatasetOptions};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -212,7 +212,9 @@ fn judge(
     scenes: &[Scene<'_>],
 ) -> Result<Evaluation, Error> {
     let float = FloatReconstructor::new(network.clone(), options.stride, options.overlap, Output::Ycc422)?;
-    evaluate(&float, golden, scenes, |sharp, estimate| Ok(edof_metrics::psnr(sharp, estimate, BORDER)?))
+    evaluate(&float, golden, scenes, |sharp, estimate| {
+        Ok(edof_study::metrics::psnr(sharp, estimate, BORDER)?)
+    })
 }
 
 /// `x.safetensors` gives `x.fixed.safetensors` beside it; a name gives it under `weights/`.

@@ -8,7 +8,7 @@ use crate::kind;
 use crate::said;
 use crate::ui::Ui;
 use clap::ValueEnum;
-use edof_image::Stride;
+use edof_core::Stride;
 use edof_network::network::Form;
 use edof_network::{FixedNetwork, weight_file};
 use serde_json::json;
@@ -83,7 +83,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 fn for_design(name: &str, seed: u64, ui: &Ui) -> Result<FixedNetwork, Error> {
     let design = designs::load(name)?;
     ui.used(designs::input(&design));
-    let network = edof_random::for_design(&design, seed);
+    let network = edof_device::random::for_design(&design, seed);
     design.check_network(&network)?;
     Ok(network)
 }
@@ -94,9 +94,9 @@ fn network(args: &Args) -> Result<FixedNetwork, Error> {
         Kind::Extreme if !(8..=16).contains(&args.bits) => {
             Err(Error::message(format!("--bits {}: must be 8 to 16", args.bits)))
         }
-        Kind::Extreme => Ok(edof_random::extreme(args.form, args.bits, stride, false, args.seed)),
+        Kind::Extreme => Ok(edof_device::random::extreme(args.form, args.bits, stride, false, args.seed)),
         Kind::Natural => {
-            let network = edof_random::natural(args.form.window.side(), stride.pixels(), args.seed);
+            let network = edof_device::random::natural(args.form.window.side(), stride.pixels(), args.seed);
             if network.form == args.form && network.code_bits == args.bits {
                 return Ok(network);
             }

@@ -6,13 +6,13 @@ use crate::lens::{self, Depth, Lens};
 use crate::memory;
 use crate::said;
 use crate::ui::Ui;
-use edof_camera::Camera;
-use edof_image::Tone;
-use edof_image::words::{count, number};
+use edof_core::Tone;
+use edof_core::camera::Camera;
+use edof_core::words::{count, number};
 use edof_io::raw::Size;
 use edof_optics::draw::{self, DrawError, four_depths};
 use edof_optics::scene::Scene;
-use edof_report::picture::png;
+use edof_study::report::picture::png;
 use ndarray::Array2;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -110,7 +110,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = FILES.map(|name| args.out.join(name));
     let sharp = scene.sharp();
     edof_io::photo::save(&files[0], &args.tone.encoded(&sharp), 16)?;
-    edof_storage::atomic::write(&files[1], &png(&sharp, Tone::Srgb)?)?;
+    edof_core::storage::atomic::write(&files[1], &png(&sharp, Tone::Srgb)?)?;
     edof_io::photo::save(&files[2], &depth_picture(&scene.psi_map(), camera.psi_range), 8)?;
     let (height, width) = scene.size();
     let psi: Vec<f64> = scene.layers.iter().map(|layer| layer.psi).collect();
@@ -169,9 +169,9 @@ impl Drawing {
     }
 }
 
-fn depth_picture(psi: &Array2<f32>, [low, high]: [f64; 2]) -> edof_image::ColourFrame {
+fn depth_picture(psi: &Array2<f32>, [low, high]: [f64; 2]) -> edof_core::ColourFrame {
     let (height, width) = psi.dim();
-    let mut frame = edof_image::ColourFrame::zeros(height, width);
+    let mut frame = edof_core::ColourFrame::zeros(height, width);
     let span = (high - low).max(f64::MIN_POSITIVE);
     let grey = psi.mapv(|v| ((f64::from(v) - low) / span) as f32);
     frame.planes.outer_iter_mut().for_each(|mut plane| plane.assign(&grey));

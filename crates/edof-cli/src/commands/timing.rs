@@ -87,7 +87,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
             designs::fits_given(&design, &args.design, &network)?;
             network
         }
-        None => edof_random::for_design(&design, 1),
+        None => edof_device::random::for_design(&design, 1),
     };
     let project = system::project(&design, [&network, &network], &Display::default())?;
     let Selection { names, stages, others } = selected(&design, &args.wanted)?;

@@ -6,15 +6,15 @@ use crate::files::Files;
 use crate::form;
 use crate::ui::Ui;
 use crate::weights;
-use edof_image::Tone;
-use edof_image::number::OUTPUT_FRACTION;
+use edof::presets::PresetError;
+use edof_core::Tone;
+use edof_core::number::OUTPUT_FRACTION;
+use edof_core::storage::provenance::Provenance;
 use edof_network::fixed_network::{FixedMatrix, layer_names};
 use edof_network::network::Origin;
 use edof_network::weight_file::WeightFileError;
 use edof_network::{FixedNetwork, Network};
-use edof_presets::PresetError;
 use edof_quantize::bounds::{self, StageError};
-use edof_storage::provenance::Provenance;
 use serde::Serialize;
 
 /// Print the contents of a weight file: architecture, formats, ranges, accumulators, and how it was made
@@ -86,7 +86,7 @@ struct Fixed {
     sha256: String,
     code_bits: u32,
     stride: usize,
-    overlap: edof_image::overlap::Overlap,
+    overlap: edof_core::overlap::Overlap,
     float_sha256: String,
     layers: Vec<Layer>,
     error_bounds: Vec<StageError>,

@@ -8,7 +8,7 @@ mod ports;
 use super::{Actor, Behaviour, ClockId, Coupling, StabilityCheck, rule_broken};
 use crate::verilator::Model;
 use crate::{Error, Source};
-use edof_image::draw::Draw;
+use edof_core::draw::Draw;
 use ports::{Address, Burst, ReadPorts, WritePorts};
 use std::collections::{BTreeMap, VecDeque};
 

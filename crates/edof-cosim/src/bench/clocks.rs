@@ -3,7 +3,7 @@
 use super::Actor;
 use crate::Error;
 use crate::verilator::Model;
-use edof_image::draw::Draw;
+use edof_core::draw::Draw;
 
 /// A clock of a [`Bench`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

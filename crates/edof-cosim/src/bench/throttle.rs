@@ -1,6 +1,6 @@
 //! When someone pauses.
 
-use edof_image::draw::Draw;
+use edof_core::draw::Draw;
 
 /// Decides in each cycle whether to transfer. Random patterns change their rate now and then, so that full speed, single transfers and long pauses all occur.
 #[derive(Debug, Clone)]

@@ -5,9 +5,9 @@ use crate::error::{Error, at};
 use crate::source::Source;
 use crate::verilator::{Library, Model, Options, Start};
 use crate::work;
+use edof_core::storage::atomic::WorkFolder;
 use edof_device::design::memory::Set;
 use edof_hdl::project::Project;
-use edof_storage::atomic::WorkFolder;
 use std::fs;
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! The KC705's core between two HDMI cables: its I2C buses, resets and pixel buses lead to models of the chips around it (`edof-chips`), at one of
+//! The KC705's core between two HDMI cables: its I2C buses, resets and pixel buses lead to models of the chips around it (`edof_board::chip_models`), at one of
 //! which hangs a source, at the other a screen. As a board it has a serial line, so that any host of `edof-board` talks to it.
 
 use super::pictures::TableWords;
@@ -6,8 +6,9 @@ use crate::bench::{Actor, Behaviour, Bench, ClockId, Memory, Serial};
 use crate::chain::verilated::write_images;
 use crate::verilator::{Library, Model, Options, Start};
 use crate::{Error, Source, work};
+use edof_board::chip_models::{Bus, Imageon, Kc705, Lines, Pulls, Wires};
 use edof_board::line::Line;
-use edof_chips::{Bus, Imageon, Kc705, Lines, Pulls, Wires};
+use edof_core::storage::atomic::WorkFolder;
 use edof_device::board::CORE_KILOHERTZ;
 use edof_device::registers::identity::{design_hash, weights_hash};
 use edof_device::{Design, video::VideoTiming};
@@ -17,7 +18,6 @@ use edof_hdl::board::{EdofCore, Identity, Kc705Core, Pace};
 use edof_hdl::kc705::table_images;
 use edof_hdl::project::{Project, ProjectError, images, of_circuit, spacious};
 use edof_network::FixedNetwork;
-use edof_storage::atomic::WorkFolder;
 use std::cell::RefCell;
 use std::io;
 use std::rc::Rc;
@@ -297,14 +297,18 @@ impl Cables {
 
 /// The timing of a design's frames as its source sends them and its receiver measures them.
 #[must_use]
-pub fn cable_timing(timing: VideoTiming) -> edof_chips::Timing {
-    let axis = |axis: edof_device::video::Axis| edof_chips::hdmi::Axis {
+pub fn cable_timing(timing: VideoTiming) -> edof_board::chip_models::Timing {
+    let axis = |axis: edof_device::video::Axis| edof_board::chip_models::hdmi::Axis {
         active: axis.active,
         front: axis.front,
         sync: axis.sync,
         back: axis.back,
     };
-    edof_chips::Timing { line: axis(timing.line), frame: axis(timing.frame), khz: timing.pixel_khz as u32 }
+    edof_board::chip_models::Timing {
+        line: axis(timing.line),
+        frame: axis(timing.frame),
+        khz: timing.pixel_khz as u32,
+    }
 }
 
 /// A host in the same program. Time passes while it waits.

@@ -5,14 +5,14 @@ use crate::bench::{Actor, ClockId};
 use crate::error::at;
 use crate::verilator::{Library, Model, Options, Start};
 use crate::{Error, Source, work};
-use edof_chips::hdmi::{Axis, Timing};
-use edof_chips::{Delays, Imageon, Kc705, LowHotPlug, Pulls, Screen, Wires};
+use edof_board::chip_models::hdmi::{Axis, Timing};
+use edof_board::chip_models::{Delays, Imageon, Kc705, LowHotPlug, Pulls, Screen, Wires};
+use edof_core::storage::atomic::WorkFolder;
 use edof_device::board::I2C_IMAGES;
 use edof_device::i2c::{self, image};
 use edof_device::video::{self, VideoTiming};
 use edof_hdl::board::{ChipSetup, EmbeddedSyncs, Pace};
 use edof_hdl::crossing::reset_sync::RESET_CYCLES;
-use edof_storage::atomic::WorkFolder;
 use std::fs;
 
 /// Cycles of the core in one of theirs: they are models of their own, and what they tell the core stands for long.

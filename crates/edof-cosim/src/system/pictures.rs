@@ -1,15 +1,15 @@
 //! Frames for a camera, and what the screen must show for them.
 
+use edof_core::cable::carried;
+use edof_core::draw::Draw;
+use edof_core::frame::FrameError;
+use edof_core::geometry::GeometryError;
+use edof_core::{CfaPhase, RawFrame};
 use edof_device::design::FrameSize;
 use edof_golden::gamma::ColourTable;
 use edof_golden::video::video_out::BLACK_PIXEL;
 use edof_golden::{Display, Golden};
 use edof_hdl::kc705::Tables;
-use edof_image::cable::carried;
-use edof_image::draw::Draw;
-use edof_image::frame::FrameError;
-use edof_image::geometry::GeometryError;
-use edof_image::{CfaPhase, RawFrame};
 use edof_network::fixed_network::FixedNetworkError;
 use ndarray::Array2;
 

@@ -3,9 +3,9 @@
 use crate::bench::{Actor, ClockId};
 use crate::verilator::Model;
 use crate::{Error, Source};
+use edof_core::cable;
+use edof_core::draw::Draw;
 use edof_device::video::VideoTiming;
-use edof_image::cable;
-use edof_image::draw::Draw;
 
 /// The ports of a bus: horizontal sync, vertical sync, data enable, data.
 fn ports(source: &Source, bus: &str) -> Result<[usize; 4], Error> {

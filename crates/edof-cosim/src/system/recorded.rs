@@ -1,12 +1,12 @@
 //! What a generated design tries itself with, in a bench of Verilog alone.
 
 use super::pictures::{PictureError, drawn, picture, sent};
+use edof_core::{DisplayMode, RawFrame};
 use edof_device::Design;
 use edof_device::design::FrameSize;
 use edof_golden::cycle::estimate;
 use edof_golden::{Display, Golden};
 use edof_hdl::benches::RecordedVideo;
-use edof_image::{DisplayMode, RawFrame};
 use edof_network::FixedNetwork;
 
 /// Frames of a generated design's bench.

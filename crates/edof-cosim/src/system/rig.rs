@@ -9,6 +9,8 @@ use crate::bench::{Actor, Behaviour, Bench, ClockId, Host, Mark, Memory, Throttl
 use crate::chain::verilated::write_images;
 use crate::verilator::{Library, Options, Start};
 use crate::{Error, Source, work};
+use edof_core::DisplayMode;
+use edof_core::storage::atomic::WorkFolder;
 use edof_device::Design;
 use edof_device::registers::identity::{design_hash, weights_hash};
 use edof_device::registers::map;
@@ -18,9 +20,7 @@ use edof_golden::video::figures::Periods;
 use edof_hdl::board::{EdofCore, Identity};
 use edof_hdl::kc705::table_images;
 use edof_hdl::project::{Project, ProjectError, images, of_circuit, spacious};
-use edof_image::DisplayMode;
 use edof_network::FixedNetwork;
-use edof_storage::atomic::WorkFolder;
 
 /// The core of a design (`edof_hdl::board::EdofCore`) with its images: its sets of weights start with these networks, the display with
 /// these tables.

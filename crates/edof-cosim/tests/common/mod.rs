@@ -2,6 +2,7 @@
 pub mod traffic;
 
 use crate::support;
+use edof_core::draw::Draw;
 use edof_cosim::chain::verilated::{Compiled, Verilated, write_images};
 use edof_cosim::chain::{Device, Drive, Inputs, Outcome, Outputs};
 use edof_cosim::verilator::Options;
@@ -11,7 +12,6 @@ use edof_device::design::memory::{SNAPSHOT, Set};
 use edof_golden::cycle::{Cycle, Patch};
 use edof_golden::scalar;
 use edof_hdl::project::{self, Project};
-use edof_image::draw::Draw;
 use edof_network::FixedNetwork;
 use std::path::{Path, PathBuf};
 
@@ -28,12 +28,12 @@ pub fn committed(name: &str) -> Design {
 /// A network whose words lie at the ends of their range, and one whose results mostly fit and whose codes are half zeros: the
 /// first shows every saturation, the second every wrong bit.
 pub fn networks(design: &Design, seed: u64) -> [FixedNetwork; 2] {
-    [edof_random::for_design(design, seed), moderate(design, seed + 1)]
+    [edof_device::random::for_design(design, seed), moderate(design, seed + 1)]
 }
 
 /// An extreme network with thresholds near zero, codes of one format, and matrices scaled down until few results saturate.
 pub fn moderate(design: &Design, seed: u64) -> FixedNetwork {
-    let mut network = edof_random::for_design(design, seed);
+    let mut network = edof_device::random::for_design(design, seed);
     let last = network.code_fractions[network.code_fractions.len() - 1];
     network.code_fractions.fill(last);
     let draw = &mut Draw::new(seed);
@@ -96,7 +96,7 @@ pub fn patches(design: &Design, count: usize, seed: u64) -> Vec<Patch> {
         set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },
         window: match draw.whole(0, 9) {
             0 => vec![0; window.pixels()],
-            1..=4 => edof_random::extreme_window(draw, window.pixels()),
+            1..=4 => edof_device::random::extreme_window(draw, window.pixels()),
             _ => natural_window(draw, window.side(), 15),
         },
     };

@@ -1,9 +1,9 @@
 //! A chain driven by hand: beats that come and go as chance has it, and words that the host writes.
 
+use edof_core::draw::Draw;
 use edof_cosim::chain::{Beat, Device, Inputs, Outputs};
 use edof_device::design::memory::{self, Space};
 use edof_golden::cycle::Patch;
-use edof_image::draw::Draw;
 
 /// One cycle.
 pub fn cycle(device: &mut impl Device, inputs: &Inputs) -> Outputs {

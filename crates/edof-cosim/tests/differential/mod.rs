@@ -1,12 +1,12 @@
 //! A block driven in rust-hdl's simulation, and the same stimulus through its Verilog.
 use crate::support;
+use edof_core::draw::Draw;
 use edof_cosim::chain::second::with_random_memories;
 use edof_cosim::verilator::{Library, Start};
 use edof_cosim::{Layout, Rows, Source, icarus};
 use edof_hdl::describe::Circuit;
 use edof_hdl::leaves::LEAVES;
 use edof_hdl::verilog::{self, Direction, Emitted};
-use edof_image::draw::Draw;
 use rust_hdl::core::atom::Atom;
 use rust_hdl::core::probe::Probe;
 use rust_hdl::prelude::*;

@@ -1,11 +1,11 @@
 //! A block in Verilator, its streams fed and emptied with random pauses, and every stream checked against its rule: valid never falls, nor do
 //! the words change, without a transfer.
 use crate::support;
+use edof_core::draw::Draw;
 use edof_cosim::verilator::{Library, Model, Start};
 use edof_cosim::{Source, yosys};
 use edof_hdl::describe::Circuit;
 use edof_hdl::project;
-use edof_image::draw::Draw;
 use std::collections::VecDeque;
 
 /// Cycles of reset at the start of every run.

@@ -242,7 +242,7 @@ mod tests {
     /// A design whose I has the given window, codes, lanes and rows.
     fn dense(window: usize, codes: usize, lanes: usize, rows: usize) -> Design {
         let mut design = Design::from_json(include_str!("../../../../designs/tiny.json")).unwrap();
-        design.form.window = edof_image::Window::new(window).unwrap();
+        design.form.window = edof_core::Window::new(window).unwrap();
         (design.form.codes, design.form.layers) = (codes, 2);
         design.stages = [(lanes, rows), (64, 2)].map(|(lanes, rows)| StageSize { lanes, rows }).into();
         design

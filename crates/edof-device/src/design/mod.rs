@@ -13,12 +13,12 @@ pub mod timing;
 
 pub use stage::{Kind, StagePlan};
 
-use edof_image::geometry::{Geometry, GeometryError, Stride};
-use edof_image::number::ACCUMULATOR_BITS;
-use edof_image::words::number;
+use edof_core::geometry::{Geometry, GeometryError, Stride};
+use edof_core::number::ACCUMULATOR_BITS;
+use edof_core::storage::{json, name};
+use edof_core::words::number;
 use edof_network::fixed_network::FixedNetwork;
 use edof_network::network::{Form, NetworkError, Recurrence, Shrinkage};
-use edof_storage::{json, name};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 use super::memory::{MAX_BANK_WORDS, row_bits};
 use super::timing::DRAIN_LATENCY;
 use super::{BANK_LANES, BEAT, Design, DesignError, require};
-use edof_image::colour::OUTPUTS_422;
+use edof_core::colour::OUTPUTS_422;
 use edof_network::network::Recurrence;
 
 /// What a stage is configured as.

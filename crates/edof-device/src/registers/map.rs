@@ -6,7 +6,7 @@ pub use words::*;
 
 use super::{Access, Field, Register, Window};
 use crate::design::memory::ADDRESS_BITS;
-use edof_image::display::LUMA_ENTRIES;
+use edof_core::display::LUMA_ENTRIES;
 
 const fn constant(
     name: &'static str,

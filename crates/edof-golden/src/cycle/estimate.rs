@@ -2,13 +2,13 @@
 
 use super::Stalls;
 use super::chain::Chain;
+use edof_core::Geometry;
 use edof_device::Design;
 use edof_device::design::StagePlan;
 use edof_device::design::timing::{
     ARRIVAL_LATENCY, CREDIT_LATENCY, DRAIN_CREDITS, PASS_SPACING, RELEASE_LATENCY, SLOTS, SUM_LATENCY,
     release,
 };
-use edof_image::Geometry;
 
 /// Patches until the chain has settled.
 const SETTLE: usize = 200;

@@ -18,13 +18,13 @@
 //!
 //! ```
 //! use edof_golden::cycle::{Cycle, Patch, Stalls, Summary};
-//! use edof_image::draw::Draw;
+//! use edof_core::draw::Draw;
 //! use edof_device::{Design, design::memory::Set};
 //!
 //! let design = Design::from_json(include_str!("../../../../designs/tiny.json"))?;
-//! let network = edof_random::for_design(&design, 1);
+//! let network = edof_device::random::for_design(&design, 1);
 //! let draw = &mut Draw::new(2);
-//! let patches = (0..20).map(|_| Patch { window: edof_random::extreme_window(draw, 64), set: Set::First });
+//! let patches = (0..20).map(|_| Patch { window: edof_device::random::extreme_window(draw, 64), set: Set::First });
 //!
 //! let model = Cycle::new(&design, [&network, &network])?.stalls(Stalls::drawn(3, 64));
 //! let mut summary = Summary::new(&design);

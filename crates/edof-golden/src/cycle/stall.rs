@@ -1,6 +1,6 @@
 //! Stalls that a source and a sink make, the same for this model and for anybody who drives a circuit.
 
-use edof_image::draw::Draw;
+use edof_core::draw::Draw;
 
 /// Cycles in which one end of the chain does nothing: a pure function of a seed and the cycle.
 ///

@@ -1,5 +1,5 @@
 use super::*;
-use edof_image::colour::{chroma_word, luma_word, srgb_encode, ycbcr_matrix};
+use edof_core::colour::{chroma_word, luma_word, srgb_encode, ycbcr_matrix};
 use proptest::prelude::*;
 
 /// A frame of one colour in linear light.

@@ -108,7 +108,7 @@ fn collect(isa: Isa, vector: &[i16], words: &mut [i16], columns: &mut [u16]) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::draw::Draw;
+    use edof_core::draw::Draw;
 
     type Segments = Vec<Vec<(u16, i16)>>;
 

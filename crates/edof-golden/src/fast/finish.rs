@@ -6,7 +6,7 @@
 
 use super::isa::{Isa, for_each_isa};
 use super::sums::{LOW_BITS, SUM_BITS, Sums};
-use edof_image::number::requantize;
+use edof_core::number::requantize;
 use edof_network::fixed_network::FinalShifts;
 
 /// Bits of an output word.
@@ -201,7 +201,7 @@ const fn rounding(shift: u32) -> (i32, u32) {
 mod tests {
     use super::*;
     use crate::fast::sums::split;
-    use edof_image::draw::Draw;
+    use edof_core::draw::Draw;
 
     /// Sums of at most N bits, often at the ends of their range.
     fn sums(draw: &mut Draw, bits: u32) -> (Vec<i64>, Sums) {

@@ -35,7 +35,7 @@ use crate::scalar::{self, sends_difference};
 use crate::trace::{LayerWords, StageCounts, Trace};
 use active::Active;
 use columns::Columns;
-use edof_image::colour::OUTPUTS_422;
+use edof_core::colour::OUTPUTS_422;
 use edof_network::FixedNetwork;
 use edof_network::network::{Recurrence, Shrinkage};
 use finish::{Finish, FinishOutputs};

@@ -4,10 +4,10 @@
 //! calculator loses frames, a screen that is faster shows pictures again; so both pixel clocks run on, and the calculator takes the newest
 //! frame whenever it is free.
 
+use edof_core::geometry::{Geometry, PATCH};
 use edof_device::board::CORE_KILOHERTZ;
 use edof_device::design::{Design, FrameSize};
 use edof_device::video::VideoTiming;
-use edof_image::geometry::{Geometry, PATCH};
 
 /// The clocks around a core, in picoseconds a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,7 +92,7 @@ pub fn figures(size: FrameSize, cycles: CoreCycles, periods: Periods) -> Figures
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_image::Stride;
+    use edof_core::Stride;
 
     const SIZE: FrameSize = FrameSize { width: 1920, height: 1080, stride: Stride::PATCH };
 

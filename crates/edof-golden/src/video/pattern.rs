@@ -1,9 +1,9 @@
 //! Raw frames that the board makes itself (docs/contract.md, 1.3), word for word.
 
+use edof_core::frame::FrameError;
+use edof_core::{CfaPhase, RawFrame};
 use edof_device::design::FrameSize;
 use edof_device::pattern::{NOISE_SEED, Pattern, RAMP_COLUMN, RAMP_ROW, TILE_SIDE, WORD_MASK};
-use edof_image::frame::FrameError;
-use edof_image::{CfaPhase, RawFrame};
 use ndarray::Array2;
 
 /// The frame of a pattern: red first, 16 bits.
@@ -62,7 +62,7 @@ const fn next(register: u32) -> u32 {
 mod tests {
     use super::*;
 
-    const SIZE: FrameSize = FrameSize { width: 64, height: 48, stride: edof_image::Stride::PATCH };
+    const SIZE: FrameSize = FrameSize { width: 64, height: 48, stride: edof_core::Stride::PATCH };
 
     /// Words of a pattern, row by row.
     fn words(pattern: Pattern) -> Vec<u16> {

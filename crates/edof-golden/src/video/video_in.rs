@@ -1,8 +1,8 @@
 //! The receiver's bus: the position of a pixel, whether it is passed on, what is measured.
 
 use super::Pins;
+use edof_core::cable;
 use edof_device::design::FrameSize;
-use edof_image::cable;
 use std::collections::VecDeque;
 
 /// Largest place and count, where counting stops.

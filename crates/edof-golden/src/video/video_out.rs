@@ -4,7 +4,7 @@ use super::Pins;
 use edof_device::video::VideoTiming;
 
 /// What is shown where there is no picture.
-pub use edof_image::display::BLACK_PIXEL;
+pub use edof_core::display::BLACK_PIXEL;
 
 /// The transmitter's bus since reset.
 #[derive(Debug, Clone)]

@@ -1,11 +1,11 @@
 //! The receiver's bus, driven by a camera.
 
+use edof_core::draw::Draw;
+use edof_core::{Stride, cable};
 use edof_device::design::FrameSize;
 use edof_device::video::Axis;
 use edof_golden::video::video_in::{Beat, Measured};
 use edof_golden::video::{Pins, VideoIn};
-use edof_image::draw::Draw;
-use edof_image::{Stride, cable};
 
 const FRAME: FrameSize = FrameSize { width: 6, height: 4, stride: Stride::PATCH };
 const PATIENCE: u32 = 2_000;

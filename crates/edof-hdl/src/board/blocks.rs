@@ -1,7 +1,7 @@
 //! The blocks of the core, where they are in it, and how long their paths of logic may be.
 
+use edof_core::Stride;
 use edof_device::Design;
-use edof_image::Stride;
 
 /// A clock of the core.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

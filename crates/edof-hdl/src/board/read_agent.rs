@@ -5,7 +5,7 @@ use crate::blocks::Row;
 use crate::blocks::ram::{Ram, Shape};
 use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiReadMaster, StreamOut};
-use edof_image::display::BLACK_PIXEL;
+use edof_core::display::BLACK_PIXEL;
 use rust_hdl::prelude::*;
 
 /// The newest complete frame buffer as a stream of pixels, in bursts of full length, several at a time.

@@ -9,7 +9,7 @@ use super::{Factor, Wide};
 use crate::blocks::delay::Delay;
 use crate::blocks::{Pair, Word};
 use crate::describe::Circuit;
-use edof_image::display::{
+use edof_core::display::{
     BLACK, CHROMA_ZERO, TO_CHROMA, TO_CHROMA_SHIFT, TO_LUMA, TO_LUMA_SHIFT, TO_RGB, TO_RGB_SHIFT,
 };
 use rust_hdl::prelude::*;

@@ -6,8 +6,8 @@ use super::{Coordinate, Place};
 use crate::blocks::Pair;
 use crate::blocks::delay::Delay;
 use crate::describe::{Circuit, kernel};
+use edof_core::geometry::{Geometry, PATCH};
 use edof_device::Design;
-use edof_image::geometry::{Geometry, PATCH};
 use rust_hdl::prelude::*;
 
 /// The sum of overlapping patches, at stride 4 or 2: the 32 pairs of pixels of each patch in, patch by patch; out go those whose sum

@@ -2,8 +2,8 @@
 
 use super::Coordinate;
 use crate::describe::{Circuit, kernel};
+use edof_core::display::BLACK_PIXEL;
 use edof_device::video::VideoTiming;
-use edof_image::display::BLACK_PIXEL;
 use rust_hdl::prelude::*;
 
 /// The 16-bit 4:2:2 bus of a transmitter with separate syncs, positive pulses. A frame is shown whole if its first pixel waits as the

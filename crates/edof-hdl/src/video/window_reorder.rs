@@ -6,8 +6,8 @@ use super::{Coordinate, Place};
 use crate::blocks::delay::Delay;
 use crate::blocks::{Pair, Word};
 use crate::describe::{Circuit, kernel};
+use edof_core::geometry::Geometry;
 use edof_device::Design;
-use edof_image::geometry::Geometry;
 use rust_hdl::prelude::*;
 
 /// From the lines of red-first raw frames to windows, row by row, mirrored at the frame's borders, two pixels a beat.

@@ -3,7 +3,7 @@
 
 use super::opcodes::Opcodes;
 use crate::orientation::{Orientation, turned};
-use edof_image::ColourFrame;
+use edof_core::ColourFrame;
 
 /// A part of a frame: first row, first column, rows, columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use super::directory::{Directories, Directory};
 use super::rejection::Rejection;
 use super::tags::{self, Tag};
-use edof_image::words;
+use edof_core::words;
 
 /// PhotometricInterpretation of a mosaic.
 const COLOUR_FILTER_ARRAY: usize = 32803;

@@ -3,7 +3,7 @@
 use super::tags::Tag;
 use crate::camera_raw::CameraRawError;
 use crate::levels::LevelsError;
-use edof_image::words;
+use edof_core::words;
 use std::path::Path;
 
 /// What to do with a file of a kind that is not read.

@@ -1,11 +1,11 @@
 use super::*;
 use crate::fixed_network::CalibratedOn;
 use crate::network::{Condition, Recurrence, Shrinkage};
-use edof_camera::camera::Camera;
-use edof_image::geometry::Window;
-use edof_image::noise::Noise;
-use edof_image::tone::Tone;
-use edof_storage::provenance::Provenance;
+use edof_core::camera::Camera;
+use edof_core::geometry::Window;
+use edof_core::noise::Noise;
+use edof_core::storage::provenance::Provenance;
+use edof_core::tone::Tone;
 
 fn small_network() -> Network {
     let form = Form {

@@ -2,8 +2,8 @@
 
 use super::coverage;
 use crate::scene::Layer;
-use edof_image::ColourFrame;
-use edof_image::font;
+use edof_core::ColourFrame;
+use edof_core::font;
 use ndarray::Array2;
 
 /// Linear light of paper and ink, red to blue, for each card from back to front: grey, then the three pairs that ask most of the

@@ -2,7 +2,7 @@
 //! edges, the 1/f spectrum and the correlated colours of a photograph (Ruderman 1997; Lee, Mumford, Huang 2001).
 
 use crate::scene::Layer;
-use edof_image::ColourFrame;
+use edof_core::ColourFrame;
 use ndarray::Array2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

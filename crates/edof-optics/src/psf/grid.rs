@@ -2,7 +2,7 @@
 
 use super::wave_um;
 use crate::tiles::is_smooth;
-use edof_camera::camera::Camera;
+use edof_core::camera::Camera;
 
 /// The pupil's samples, 1/`support` cycles per pixel apart.
 #[derive(Debug, Clone, Copy)]

@@ -7,7 +7,7 @@
 
 use super::wavefront::Term;
 use crate::depth::geometric_blur_um;
-use edof_camera::camera::Camera;
+use edof_core::camera::Camera;
 use std::f64::consts::TAU;
 
 /// Parts of the pupil's radius, and directions where the wavefront is not round.
@@ -95,7 +95,7 @@ fn zones(camera: &Camera) -> Vec<[f64; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_camera::camera::{Aberration, Profile};
+    use edof_core::camera::{Aberration, Profile};
     use std::f64::consts::PI;
 
     fn clear() -> Camera {

@@ -6,7 +6,7 @@
 use super::grid::Grid;
 use crate::cosine::{EvenTransform, period};
 use crate::pupil::Pupil;
-use edof_camera::camera::Camera;
+use edof_core::camera::Camera;
 use edof_numerics::fft::{Complex64, Fft, Real};
 use edof_numerics::sinc;
 use ndarray::{Array1, Array2};

@@ -1,7 +1,7 @@
 //! The wavelengths that a colour's spectrum is sampled at, and the sum of what they give.
 
 use super::Settings;
-use edof_camera::camera::Spectrum;
+use edof_core::camera::Spectrum;
 use ndarray::Array2;
 
 /// The most wavelengths a channel is sampled at.

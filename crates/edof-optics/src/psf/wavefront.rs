@@ -5,7 +5,7 @@
 use super::grid::Grid;
 use super::{OUTSIDE, wave_um};
 use crate::pupil::Pupil;
-use edof_camera::camera::{Aberration, Camera};
+use edof_core::camera::{Aberration, Camera};
 use edof_numerics::fft::{Complex64, Fft, Real};
 use edof_numerics::sinc;
 use ndarray::{Array2, ArrayView1};
@@ -281,7 +281,7 @@ impl Lines {
 mod tests {
     use super::*;
     use crate::psf::quarter_psf;
-    use edof_camera::height_map::HeightMap;
+    use edof_core::camera::height_map::HeightMap;
 
     fn aberrated(noll: u32, rms_nm: f64) -> Camera {
         Camera { aberrations: vec![Aberration { noll, rms_nm }], ..Camera::resolve("clear").unwrap() }

@@ -1,8 +1,8 @@
 use super::*;
 use crate::float_reference::FloatReference;
+use edof_core::draw::Draw;
+use edof_core::{Stride, Window};
 use edof_golden::scalar;
-use edof_image::draw::Draw;
-use edof_image::{Stride, Window};
 use edof_network::network::Form;
 use proptest::prelude::*;
 
@@ -22,7 +22,7 @@ proptest! {
             linear_path: flags[2],
             tied: flags[3],
         };
-        let fixed = edof_random::extreme(form, bits, Stride::PATCH, tight, seed);
+        let fixed = edof_device::random::extreme(form, bits, Stride::PATCH, tight, seed);
         prop_assume!(fixed.check().is_ok());
         // Weights that are off by up to a last bit, too.
         let mut draw = Draw::new(seed);
@@ -32,7 +32,7 @@ proptest! {
         let twin = FloatReference::<f64>::new(&fixed, &real);
         let bounds = bounds(&fixed, &real, Arithmetic::Words);
         for _ in 0..20 {
-            let y = edof_random::extreme_window(&mut draw, 64);
+            let y = edof_device::random::extreme_window(&mut draw, 64);
             let (trace, values) = (scalar::run(&fixed, &y), twin.run(&y));
             let words = trace.layers.iter().map(|layer| &layer.b).chain([&trace.output]);
             for ((words, values), bound) in words.zip(&values.stages).zip(&bounds) {
@@ -47,7 +47,7 @@ proptest! {
 
 #[test]
 fn one_stage_of_words_without_error_is_off_by_half_a_bit() {
-    let fixed = edof_random::natural(8, 8, 3);
+    let fixed = edof_device::random::natural(8, 8, 3);
     let bounds = bounds(&fixed, &Folded::of(&fixed), Arithmetic::Words);
     assert_eq!(bounds.iter().map(|b| b.name.as_str()).collect::<Vec<_>>(), ["I", "M1", "M2", "F"]);
     assert_eq!(bounds[0].summary().worst_bits, 0.5);
@@ -72,7 +72,7 @@ fn networks() -> impl Iterator<Item = (u64, FixedNetwork)> {
     (0..96u64).map(|seed| {
         let flags = [1, 2, 4, 8].map(|bit| seed & bit != 0);
         let form = form(2 + (seed / 2 % 4) as usize, flags);
-        let mut fixed = edof_random::extreme(form, 12, Stride::PATCH, seed % 5 == 0, seed);
+        let mut fixed = edof_device::random::extreme(form, 12, Stride::PATCH, seed % 5 == 0, seed);
         let divisor = [1, 16, 64, 256][(seed / 16 % 4) as usize];
         let matrices = [&mut fixed.analysis, &mut fixed.dictionary].into_iter();
         for matrix in matrices.chain(&mut fixed.recurrent).chain(&mut fixed.linear_path) {
@@ -286,7 +286,7 @@ fn a_stage_is_told_by_its_largest_numbers_in_units_of_its_last_bit() {
         deviation: vec![0.5, 0.125],
     };
     assert_eq!(bound.summary(), BoundSummary { worst_bits: 12.0, deviation_bits: 2.0 });
-    let fixed = edof_random::natural(8, 8, 3);
+    let fixed = edof_device::random::natural(8, 8, 3);
     let units: Vec<f64> =
         bounds(&fixed, &Folded::of(&fixed), Arithmetic::Words).iter().map(|b| b.unit).collect();
     assert_eq!(units, [15, 14, 14, 14].map(|f| 0.5f64.powi(f)));
@@ -325,8 +325,13 @@ fn a_matrix_reaches_its_extremes_at_corners() {
 fn a_code_that_cannot_pass_its_threshold_even_with_its_error_is_not_off() {
     for shrinkage in [Shrinkage::OneSided, Shrinkage::TwoSided] {
         let one_sided = shrinkage == Shrinkage::OneSided;
-        let mut fixed =
-            edof_random::extreme(form(2, [one_sided, false, false, false]), 16, Stride::PATCH, false, 1);
+        let mut fixed = edof_device::random::extreme(
+            form(2, [one_sided, false, false, false]),
+            16,
+            Stride::PATCH,
+            false,
+            1,
+        );
         fixed.code_fractions[0] = 14;
         fixed.thresholds[0] = ndarray::array![12288, 12288, 12288];
         let own = Folded::of(&fixed);
@@ -356,7 +361,8 @@ fn float(fixed: &FixedNetwork, scales: [f64; 3]) -> Network {
 
 #[test]
 fn the_reference_is_the_float_network_in_the_units_of_the_words() {
-    let fixed = edof_random::extreme(form(3, [true, false, false, false]), 12, Stride::PATCH, false, 7);
+    let fixed =
+        edof_device::random::extreme(form(3, [true, false, false, false]), 12, Stride::PATCH, false, 7);
     let network = float(&fixed, [4.0, 0.5, -2.0]);
     let found = reference(&fixed, &network).unwrap();
     // No scale is negative: the third row stays as it is.
@@ -371,7 +377,8 @@ fn the_reference_is_the_float_network_in_the_units_of_the_words() {
 
 #[test]
 fn rows_that_have_nothing_in_common_with_the_words_keep_their_scale_and_other_forms_none() {
-    let fixed = edof_random::extreme(form(3, [true, false, false, false]), 12, Stride::PATCH, false, 7);
+    let fixed =
+        edof_device::random::extreme(form(3, [true, false, false, false]), 12, Stride::PATCH, false, 7);
     let mut network = float(&fixed, [1.0; 3]);
     network.analysis.row_mut(1).fill(0.0);
     let found = reference(&fixed, &network).unwrap();
@@ -382,7 +389,8 @@ fn rows_that_have_nothing_in_common_with_the_words_keep_their_scale_and_other_fo
 
 #[test]
 fn errors_are_told_against_words_alone_and_against_the_float_network_where_there_is_one() {
-    let fixed = edof_random::extreme(form(3, [true, false, false, false]), 12, Stride::PATCH, false, 7);
+    let fixed =
+        edof_device::random::extreme(form(3, [true, false, false, false]), 12, Stride::PATCH, false, 7);
     let network = float(&fixed, [4.0, 0.5, 1.0]);
     let summaries = |real: &Folded| {
         bounds(&fixed, real, Arithmetic::Words).iter().map(StageBound::summary).collect::<Vec<_>>()

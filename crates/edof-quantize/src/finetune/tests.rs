@@ -1,7 +1,7 @@
 use super::*;
-use edof_camera::Camera;
-use edof_image::draw::Draw;
-use edof_image::{ColourFrame, Stride, Tone, Window};
+use edof_core::camera::Camera;
+use edof_core::draw::Draw;
+use edof_core::{ColourFrame, Stride, Tone, Window};
 use edof_network::network::Recurrence;
 use edof_train::dataset::DatasetOptions;
 use ndarray::Array3;
@@ -35,7 +35,7 @@ fn start(shrinkage: Shrinkage) -> FixedNetwork {
         linear_path: true,
         tied: false,
     };
-    let mut fixed = edof_random::extreme(form, 8, Stride::PATCH, false, 3);
+    let mut fixed = edof_device::random::extreme(form, 8, Stride::PATCH, false, 3);
     let mut draw = Draw::new(4);
     fixed.code_fractions = vec![6; 4];
     let mut small = |matrix: &mut edof_network::fixed_network::FixedMatrix, fraction: u32, most: i64| {

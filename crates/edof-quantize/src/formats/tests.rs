@@ -1,5 +1,5 @@
 use super::*;
-use edof_image::{Stride, Window};
+use edof_core::{Stride, Window};
 use ndarray::array;
 
 fn form(layers: usize, recurrence: Recurrence, linear_path: bool) -> Form {
@@ -16,7 +16,8 @@ fn form(layers: usize, recurrence: Recurrence, linear_path: bool) -> Form {
 
 /// A network whose weights are small enough that an eighth more fits.
 fn network(layers: usize, recurrence: Recurrence, linear_path: bool) -> FixedNetwork {
-    let mut fixed = edof_random::extreme(form(layers, recurrence, linear_path), 8, Stride::PATCH, false, 2);
+    let mut fixed =
+        edof_device::random::extreme(form(layers, recurrence, linear_path), 8, Stride::PATCH, false, 2);
     let matrices = [&mut fixed.analysis, &mut fixed.dictionary].into_iter();
     for matrix in matrices.chain(&mut fixed.recurrent).chain(&mut fixed.linear_path) {
         matrix.weights.mapv_inplace(|w| w / 2);

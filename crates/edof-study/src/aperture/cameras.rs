@@ -1,7 +1,7 @@
 //! The lenses of the comparison as cameras, for networks to be trained for.
 
 use super::{Lens, Plan};
-use edof_camera::Camera;
+use edof_core::camera::Camera;
 use edof_optics::estimator::JudgeError;
 
 impl Plan {

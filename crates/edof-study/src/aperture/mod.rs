@@ -14,12 +14,12 @@ pub use page::{Aperture, Comparison, Reached};
 
 use crate::experiment::Experiment;
 use crate::journal::{Key, Line, Ordered, Proof, settings};
-use edof_camera::Camera;
-use edof_image::geometry::Window;
-use edof_image::noise::{Noise, SensorNoise};
+use edof_core::camera::Camera;
+use edof_core::geometry::Window;
+use edof_core::noise::{Noise, SensorNoise};
+use edof_core::storage::digest::sha256;
 use edof_optics::estimator::{JudgeError, Task, Verdict, judge};
 use edof_optics::statistics::Statistics;
-use edof_storage::digest::sha256;
 use serde::{Deserialize, Serialize};
 
 /// Depths at which a range of ψ is sampled.

@@ -2,9 +2,9 @@
 
 use super::{Lens, Row};
 use crate::made::Made;
+use crate::report::plot::{Axis, Mark, Plot, SMALL, Series};
+use crate::report::{Report, Table};
 use crate::study_report::{StudyReport, StudyReportError};
-use edof_report::plot::{Axis, Mark, Plot, SMALL, Series};
-use edof_report::{Report, Table};
 use serde::Serialize;
 use std::fmt::Write;
 

@@ -1,6 +1,6 @@
 //! How far a study is, which part of it is measured, and how numbers are ordered.
 
-use edof_image::Noise;
+use edof_core::Noise;
 
 /// How far a study is.
 #[derive(Debug, Clone, PartialEq, Eq)]

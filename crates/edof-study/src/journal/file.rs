@@ -1,8 +1,8 @@
 //! A file of lines to which one process at a time adds: each line is on the disk before the next is measured.
 
 use super::JournalError;
-use edof_storage::atomic::{self, WriteError};
-use edof_storage::input;
+use edof_core::storage::atomic::{self, WriteError};
+use edof_core::storage::input;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
@@ -193,7 +193,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("rows");
         let old = Locked::open(&path).unwrap();
-        edof_storage::atomic::write(&path, b"new\n").unwrap();
+        edof_core::storage::atomic::write(&path, b"new\n").unwrap();
         assert!(!is_at(&old.file, &path).unwrap());
         assert_eq!(Locked::open(&path).unwrap().read().unwrap().lines, ["new"]);
     }

@@ -1,7 +1,7 @@
 //! The line above rows: of what study they are, and which program measured them on which machine.
 
 use super::{JournalError, Line};
-use edof_storage::provenance::Host;
+use edof_core::storage::provenance::Host;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

@@ -14,8 +14,8 @@ pub use cells::{Ordered, Progress, Shard, ShardError};
 pub use header::{Header, Maker, Program, UNKNOWN};
 pub use proof::{Proof, settings};
 
-use edof_storage::atomic::{self, WriteError};
-use edof_storage::json;
+use edof_core::storage::atomic::{self, WriteError};
+use edof_core::storage::json;
 use file::{Locked, Text};
 use serde::Serialize;
 use serde::de::DeserializeOwned;

@@ -1,6 +1,6 @@
 //! Hashes of everything that a row was measured from: what makes it the row of this input and of these settings, and of no others.
 
-use edof_storage::digest::sha256;
+use edof_core::storage::digest::sha256;
 use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
 

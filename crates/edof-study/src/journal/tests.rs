@@ -5,7 +5,7 @@ use serde::Deserialize;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Measured {
     name: String,
-    #[serde(with = "edof_metrics::number")]
+    #[serde(with = "crate::metrics::number")]
     db: f64,
     seconds: f64,
     #[serde(flatten)]

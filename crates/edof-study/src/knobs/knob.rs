@@ -1,9 +1,9 @@
 //! A knob, what it turns, and what is run there.
 
-use edof_camera::Camera;
-use edof_image::Noise;
-use edof_methods::dictionary::Dictionary;
-use edof_methods::spec::MethodSpec;
+use crate::methods::dictionary::Dictionary;
+use crate::methods::spec::MethodSpec;
+use edof_core::Noise;
+use edof_core::camera::Camera;
 use edof_network::{FixedNetwork, Network};
 use edof_optics::capture::Approximation;
 use std::sync::Arc;

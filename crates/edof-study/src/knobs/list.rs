@@ -1,13 +1,13 @@
 //! All knobs.
 
 use super::knob::{Knob, Plan, Shortened, Work};
-use edof_camera::Camera;
-use edof_camera::camera::Spectrum;
-use edof_image::{Noise, Stride, Window};
-use edof_methods::settings::{
+use crate::methods::settings::{
     DeconvolutionSettings, Depths, FloatSettings, PictureModel, Pursuit, PursuitSettings, UntrainedSettings,
 };
-use edof_methods::spec::{MethodSpec, words_sha256};
+use crate::methods::spec::{MethodSpec, words_sha256};
+use edof_core::camera::Camera;
+use edof_core::camera::Spectrum;
+use edof_core::{Noise, Stride, Window};
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::{FixedMatrix, WORD_BITS};
 use edof_optics::capture::Approximation;

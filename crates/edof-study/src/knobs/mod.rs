@@ -14,18 +14,18 @@ pub use page::{Knobs, Point};
 
 use crate::experiment::Experiment;
 use crate::journal::{Key, Line, Ordered, Proof, settings};
+use crate::methods::spec::{Case, MethodSpec, PrepareError};
+use crate::metrics::timing::{Range, timed};
+use crate::metrics::{BORDER, MetricError, Quality};
 use crate::trial::sensor;
-use edof_image::{ColourFrame, Noise, RawFrame, ReconstructError};
+use edof_core::storage::digest::sha256;
+use edof_core::storage::provenance::Input;
+use edof_core::{ColourFrame, Noise, RawFrame, ReconstructError};
 use edof_io::photos::Photo;
-use edof_methods::spec::{Case, MethodSpec, PrepareError};
-use edof_metrics::timing::{Range, timed};
-use edof_metrics::{BORDER, MetricError, Quality};
 use edof_optics::capture::{Approximation, Capture, CaptureError, capture};
 use edof_optics::layers::{self, LayersError};
 use edof_optics::psf::{NoPsf, Settings};
 use edof_optics::scene::Scene;
-use edof_storage::digest::sha256;
-use edof_storage::provenance::Input;
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -47,7 +47,7 @@ pub struct Row {
     /// Noise of the sensor.
     pub noise: Noise,
     /// PSNR in dB: of the light on the sensor against an exact one for knobs of capturing, of the picture for all others.
-    #[serde(with = "edof_metrics::number")]
+    #[serde(with = "crate::metrics::number")]
     pub psnr_db: f64,
     /// Wall-clock seconds per megapixel, median of the runs.
     pub seconds_per_megapixel: f64,

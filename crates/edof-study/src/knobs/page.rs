@@ -2,12 +2,12 @@
 
 use super::{KNOBS, Knob, Row};
 use crate::made::Made;
+use crate::metrics::paired::Paired;
+use crate::report::plot::{Axis, Mark, Plot, SMALL, Series};
+use crate::report::{Report, Table};
 use crate::study_report::{StudyReport, StudyReportError};
 use crate::summary;
 use crate::verdict::listed;
-use edof_metrics::paired::Paired;
-use edof_report::plot::{Axis, Mark, Plot, SMALL, Series};
-use edof_report::{Report, Table};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;

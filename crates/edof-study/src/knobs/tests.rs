@@ -4,9 +4,9 @@ use super::list::keep_bits;
 use super::*;
 use crate::experiment::run;
 use crate::journal::{Header, Journal, Program, Shard};
+use crate::methods::dictionary::Dictionary;
 use crate::study_report::StudyReport;
-use edof_camera::Camera;
-use edof_methods::dictionary::Dictionary;
+use edof_core::camera::Camera;
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::FixedMatrix;
 use std::ops::ControlFlow;
@@ -25,7 +25,7 @@ fn plan(knobs: &[&'static Knob], fixed: &FixedNetwork) -> Plan {
         camera: Camera::resolve("ring-2018").unwrap(),
         psi: 4.0,
         noise: Noise::gaussian(0.01),
-        network: Arc::new(edof_random::silent(Camera::resolve("ring-2018").unwrap())),
+        network: Arc::new(edof_device::random::silent(Camera::resolve("ring-2018").unwrap())),
         network_sha256: "n".into(),
         fixed: vec![fixed.clone()],
         dictionary: Arc::new(Dictionary::load(None).unwrap()),
@@ -38,7 +38,7 @@ fn rows(knobs: &[&'static Knob]) -> Vec<Row> {
     let path = folder.path().join("rows");
     let header = || Header::of::<Row>(Program::stub("r", "m"));
     let mut journal = Journal::open(&path, header(), Default::default()).unwrap();
-    let plan = plan(knobs, &edof_random::natural(8, 8, 7));
+    let plan = plan(knobs, &edof_device::random::natural(8, 8, 7));
     run(&mut Turning::new(&plan, &[photo()]), Shard::WHOLE, &mut journal, |_| ControlFlow::Continue(()))
         .unwrap();
     // What was written is read again: nothing in it is NaN.
@@ -50,7 +50,7 @@ fn rows(knobs: &[&'static Knob]) -> Vec<Row> {
 
 #[test]
 fn cutting_less_of_a_capture_is_nearer_to_the_exact_one() {
-    let plan = plan(&[], &edof_random::natural(8, 8, 7));
+    let plan = plan(&[], &edof_device::random::natural(8, 8, 7));
     let mut captures = Captures::default();
     let mut db = |knob: &'static Knob, value: f64| match (knob.apply)(&plan, value) {
         Work::Capture(how) => plan.captured(knob, &how, &photo(), &mut captures).unwrap().psnr_db,
@@ -68,7 +68,7 @@ fn cutting_less_of_a_capture_is_nearer_to_the_exact_one() {
 
 #[test]
 fn every_knob_of_reconstruction_has_a_row_for_each_value_and_one_default() {
-    let plan = plan(&[], &edof_random::natural(8, 8, 7));
+    let plan = plan(&[], &edof_device::random::natural(8, 8, 7));
     // The plan's network is there in 16 bits alone.
     let knobs: Vec<&Knob> = KNOBS.iter().filter(|knob| knob.name != "bits").collect();
     let knobs: Vec<&Knob> =
@@ -100,7 +100,7 @@ fn words_keep_their_first_bits_and_their_sign() {
 
 #[test]
 fn a_verdict_knows_the_knobs_of_capturing() {
-    let plan = plan(&[], &edof_random::natural(8, 8, 7));
+    let plan = plan(&[], &edof_device::random::natural(8, 8, 7));
     let captures = KNOBS.iter().filter(|knob| knob.name.ends_with("bits") || knob.name == "budget");
     let of_fixed: Vec<&str> = captures.map(|knob| knob.name).collect();
     for knob in KNOBS.iter().filter(|knob| !of_fixed.contains(&knob.name)) {

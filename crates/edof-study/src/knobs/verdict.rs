@@ -2,7 +2,7 @@
 
 use super::page::{Knobs, Point};
 use crate::verdict::{compared, is_ahead, speed};
-use edof_image::words::count;
+use edof_core::words::count;
 
 /// Knobs whose dB are the accuracy of a simulated frame, not the quality of a picture.
 pub(super) const CAPTURING: [&str; 3] = ["kernel-energy", "wavelengths", "depths"];
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
     use crate::journal::Proof;
     use crate::study_report::StudyReport;
-    use edof_image::Noise;
+    use edof_core::Noise;
 
     /// A knob's value on two photographs.
     fn rows(knob: &str, value: f64, is_default: bool, db: [f64; 2], seconds: f64) -> Vec<Row> {

@@ -9,13 +9,13 @@ pub use page::{DIVERGED_DB, KnownBlurs};
 
 use crate::experiment::Experiment;
 use crate::journal::{self, Key, Line, Proof};
+use crate::metrics::{BORDER, MetricError, Quality, cpu_time};
+use edof_core::ColourFrame;
+use edof_core::storage::provenance::Input;
 use edof_deblur::blind::{self, Estimate, Settings};
 use edof_deblur::hyper_laplacian::hyper_laplacian;
-use edof_image::ColourFrame;
 use edof_io::photos::Photo;
-use edof_metrics::{BORDER, MetricError, Quality, cpu_time};
 use edof_optics::blur::blur_frame;
-use edof_storage::provenance::Input;
 use kernels::best_shift;
 use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;
@@ -32,16 +32,16 @@ pub struct Row {
     /// Side in pixels of the kernel that was looked for.
     pub side: usize,
     /// PSNR in dB of the blurred picture.
-    #[serde(with = "edof_metrics::number")]
+    #[serde(with = "crate::metrics::number")]
     pub blurred_db: f64,
     /// PSNR in dB of what the method made of it.
-    #[serde(with = "edof_metrics::number")]
+    #[serde(with = "crate::metrics::number")]
     pub restored_db: f64,
     /// PSNR in dB of the same last step with the true kernel.
-    #[serde(with = "edof_metrics::number")]
+    #[serde(with = "crate::metrics::number")]
     pub known_db: f64,
     /// Correlation of the kernel that was found with the true one, at the best shift of a few pixels.
-    #[serde(with = "edof_metrics::number")]
+    #[serde(with = "crate::metrics::number")]
     pub correlation: f64,
     /// How often the method's step was halved.
     pub halvings: usize,

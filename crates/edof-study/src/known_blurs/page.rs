@@ -2,12 +2,12 @@
 
 use super::Row;
 use crate::made::Made;
+use crate::metrics::paired::Paired;
+use crate::report::{Report, Table};
 use crate::study_report::{StudyReport, StudyReportError};
 use crate::summary;
-use edof_image::words::count;
+use edof_core::words::count;
 use edof_io::photos::choices;
-use edof_metrics::paired::Paired;
-use edof_report::{Report, Table};
 use serde::Serialize;
 use std::collections::BTreeSet;
 

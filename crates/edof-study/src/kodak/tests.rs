@@ -1,10 +1,10 @@
 use super::*;
 use crate::experiment::{RunError, run};
 use crate::journal::{Header, Journal, Program, Shard};
-use edof_camera::Camera;
-use edof_image::ColourFrame;
-use edof_methods::spec::MethodSpec;
-use edof_metrics::shown;
+use crate::methods::spec::MethodSpec;
+use crate::metrics::shown;
+use edof_core::ColourFrame;
+use edof_core::camera::Camera;
 use std::ops::ControlFlow;
 
 fn setup(camera: &str) -> Setup {
@@ -109,7 +109,7 @@ fn what_is_encoded_as_it_was_decoded_is_the_photograph_itself() {
     let photo = photo("p");
     let light = Tone::Srgb.decoded(&photo.frame);
     let back = shown(&light, Tone::Srgb);
-    assert!(edof_metrics::psnr(&photo.frame, &back, BORDER).unwrap() > 130.0);
+    assert!(crate::metrics::psnr(&photo.frame, &back, BORDER).unwrap() > 130.0);
 }
 
 #[test]

@@ -4,11 +4,11 @@ use super::{BEHIND, BLIND, CODED, Drawn, OMP, Row};
 use crate::demo_report::{figure, figure_at, figure_of_scene};
 use crate::made::Made;
 use crate::pictures::{self, Picture, Truth};
+use crate::report::picture::png;
+use crate::report::{Figure, Layout, Report, Table, csv};
 use crate::study_report::{StudyReport, StudyReportError};
 use crate::tables::noise_words;
-use edof_image::{Noise, Tone};
-use edof_report::picture::png;
-use edof_report::{Figure, Layout, Report, Table, csv};
+use edof_core::{Noise, Tone};
 use serde::Serialize;
 use std::fmt::Write;
 

@@ -1,10 +1,10 @@
 use super::*;
 use crate::experiment::{RunError, run};
 use crate::journal::{Header, Journal, Program, Shard};
-use edof_image::{ColourFrame, Stride};
-use edof_methods::dictionary::Dictionary;
-use edof_methods::method::Family;
-use edof_methods::settings::Pursuit;
+use crate::methods::dictionary::Dictionary;
+use crate::methods::method::Family;
+use crate::methods::settings::Pursuit;
+use edof_core::{ColourFrame, Stride};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,8 +1,8 @@
 //! What the paper claims of speed and error, and what it is here.
 
 use super::Point;
-use edof_methods::method::{Family, Format, Method};
-use edof_metrics::paired::Paired;
+use crate::methods::method::{Family, Format, Method};
+use crate::metrics::paired::Paired;
 use serde::Serialize;
 
 /// A sentence of the paper, and what it is here.

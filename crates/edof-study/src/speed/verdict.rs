@@ -1,9 +1,9 @@
 //! Which network is how much better and faster than the best of the other methods, in sentences.
 
 use super::{Claims, Point, Speed};
+use crate::methods::method::{Family, Format};
+use crate::metrics::paired::Paired;
 use crate::verdict::{compared, speed};
-use edof_methods::method::{Family, Format};
-use edof_metrics::paired::Paired;
 
 impl Speed {
     /// For every depth and noise level, the best and the fastest network against the best of the other methods.
@@ -70,8 +70,8 @@ fn is_rival(point: &Point) -> bool {
 mod tests {
     use super::super::tests::timed;
     use super::*;
+    use crate::methods::method::Method;
     use crate::study_report::StudyReport;
-    use edof_methods::method::Method;
 
     /// A network at two strides and a pursuit that is given the depth, on two photographs.
     fn speed(slow: f64, fast: f64) -> Speed {

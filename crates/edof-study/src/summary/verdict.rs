@@ -1,13 +1,13 @@
 //! Which network behind which camera is better, at each noise level.
 
 use super::{MethodSummary, Study, by_photo};
+use crate::methods::method::{Family, Format, Method};
+use crate::metrics::paired::Paired;
 use crate::pictures::capitalised;
 use crate::tables::noise_words;
 use crate::verdict::{compared, is_ahead};
-use edof_camera::camera::{Camera, PRESETS};
-use edof_image::{Noise, Tone};
-use edof_methods::method::{Family, Format, Method};
-use edof_metrics::paired::Paired;
+use edof_core::camera::{Camera, PRESETS};
+use edof_core::{Noise, Tone};
 
 type Subject<'a> = (&'a Method, &'a str);
 

@@ -1,7 +1,7 @@
 //! Kinds of errors that a maker makes, and what each does to a camera.
 
-use edof_camera::Camera;
-use edof_camera::camera::{Delay, Ring, Spectrum};
+use edof_core::camera::Camera;
+use edof_core::camera::{Delay, Ring, Spectrum};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 

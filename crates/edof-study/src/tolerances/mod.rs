@@ -11,15 +11,15 @@ pub use page::{Curve, Loss, Tolerances};
 
 use crate::experiment::Experiment;
 use crate::journal::{Key, Line, Ordered, Proof, settings};
+use crate::methods::spec::{Case, MethodSpec};
+use crate::metrics::BORDER;
 use crate::trial::{Trial, TrialError, sensor};
-use edof_camera::Camera;
-use edof_image::{Noise, Reconstructor, Tone};
+use edof_core::camera::Camera;
+use edof_core::storage::digest::sha256;
+use edof_core::storage::provenance::Input;
+use edof_core::{Noise, Reconstructor, Tone};
 use edof_io::photos::Photo;
-use edof_methods::spec::{Case, MethodSpec};
-use edof_metrics::BORDER;
 use edof_optics::psf::{Psf, Settings, channel_psfs};
-use edof_storage::digest::sha256;
-use edof_storage::provenance::Input;
 use serde::{Deserialize, Serialize};
 
 /// What is measured.
@@ -60,7 +60,7 @@ pub struct Row {
     /// Noise of the sensor.
     pub noise: Noise,
     /// PSNR in dB (peak 1).
-    #[serde(with = "edof_metrics::number")]
+    #[serde(with = "crate::metrics::number")]
     pub psnr_db: f64,
     /// Hashes of inputs and settings.
     #[serde(flatten)]

@@ -2,14 +2,14 @@
 
 use super::{Kind, Row};
 use crate::made::Made;
+use crate::metrics::paired::Paired;
+use crate::report::plot::{Axis, Mark, PALETTE, Plot, SMALL, Series};
+use crate::report::{Report, Table};
 use crate::study_report::{StudyReport, StudyReportError};
 use crate::tables::noise_words;
-use edof_image::Noise;
-use edof_image::words::count;
+use edof_core::Noise;
+use edof_core::words::count;
 use edof_io::photos::choices;
-use edof_metrics::paired::Paired;
-use edof_report::plot::{Axis, Mark, PALETTE, Plot, SMALL, Series};
-use edof_report::{Report, Table};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;

@@ -3,7 +3,7 @@ use crate::experiment::run;
 use crate::journal::{Header, Journal, Program, Shard};
 use crate::made::Made;
 use crate::study_report::StudyReport;
-use edof_image::ColourFrame;
+use edof_core::ColourFrame;
 use std::ops::ControlFlow;
 
 fn plan() -> Plan {

@@ -4,9 +4,9 @@
 
 use super::{Dataset, DatasetOptions, Picture};
 use crate::holdout::Holdout;
-use edof_image::ColourFrame;
-use edof_storage::atomic::{self, WriteError};
-use edof_storage::input;
+use edof_core::ColourFrame;
+use edof_core::storage::atomic::{self, WriteError};
+use edof_core::storage::input;
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;

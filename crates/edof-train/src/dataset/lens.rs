@@ -2,9 +2,9 @@
 
 use super::{Batch, Dataset, Place, RGGB, Turn};
 use crate::noise::expose;
-use edof_image::Noise;
-use edof_image::colour::RGB_OUTPUTS;
-use edof_image::geometry::{PATCH, mirror};
+use edof_core::Noise;
+use edof_core::colour::RGB_OUTPUTS;
+use edof_core::geometry::{PATCH, mirror};
 use edof_numerics::random::Random;
 
 /// Where a window of [`Dataset::draw_located`] was cut: row and column of its first pixel.

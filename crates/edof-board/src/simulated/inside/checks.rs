@@ -1,6 +1,8 @@
 //! The CRCs that a simulated board makes of its frames.
 
 use super::{Inside, Key};
+use edof_core::cable::carried;
+use edof_core::{DisplayMode, RawFrame};
 use edof_device::crc::of_words;
 use edof_device::design::FrameSize;
 use edof_device::pattern::{Pattern, TILE, TILE_SIDE};
@@ -8,8 +10,6 @@ use edof_device::registers::map;
 use edof_device::video::VideoTiming;
 use edof_golden::video::pattern;
 use edof_golden::{FrameChecks, Golden};
-use edof_image::cable::carried;
-use edof_image::{DisplayMode, RawFrame};
 use edof_network::FixedNetwork;
 use ndarray::Array2;
 

@@ -8,12 +8,12 @@ use crate::weights;
 use edof_board::check::{Checked, Difference};
 use edof_board::contents::letter;
 use edof_board::{Board, Serial};
+use edof_core::DisplayMode;
 use edof_device::Design;
 use edof_device::pattern::Pattern;
 use edof_device::registers::map;
 use edof_golden::video::pattern;
 use edof_golden::{Display, Golden};
-use edof_image::DisplayMode;
 use edof_network::FixedNetwork;
 use serde_json::json;
 

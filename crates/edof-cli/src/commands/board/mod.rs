@@ -19,13 +19,13 @@ use edof_board::contents::letter;
 use edof_board::line::{self, DEFAULT_BAUD, Serial};
 use edof_board::names::{Place, number};
 use edof_board::{Board, link};
+use edof_core::DisplayMode;
+use edof_core::words::number as short;
 use edof_device::Design;
 use edof_device::design::memory::Set;
 use edof_device::registers::identity::weights_hash;
 use edof_device::registers::map;
 use edof_device::registers::{c_header, csr_csv, markdown, systemrdl};
-use edof_image::DisplayMode;
-use edof_image::words::number as short;
 use edof_network::FixedNetwork;
 use serde_json::{Value, json};
 use std::time::Duration;
@@ -420,7 +420,7 @@ fn info(args: &Args, own: &Own, ui: &Ui) -> Result<(), Error> {
             held.as_deref().unwrap_or("a network that the program does not have; name its file by --weights");
         let hash = (hash != 0).then(|| format!("{hash:08x}"));
         // The board keeps one hash, that of the bank in use; what the words are known by is there for both.
-        let any = design.as_ref().map(|design| (design, edof_random::for_design(design, 1)));
+        let any = design.as_ref().map(|design| (design, edof_device::random::for_design(design, 1)));
         let checksum = any.map(|(design, any)| board.checksum(design, &any, bank)).transpose().map_err(of)?;
         let checksum = checksum.map(|sum| format!("{sum:08x}"));
         let shown = match (&hash, &checksum) {
@@ -472,7 +472,7 @@ fn held(
     if let Some(index) = board.identify(&design, &known, bank).map_err(of)? {
         return Ok((Some(known[index].origin.name.clone()), weights_hash(&design, &known[index])));
     }
-    let same =
-        bank == before || board.holds_alike(&design, &edof_random::for_design(&design, 1)).map_err(of)?;
+    let same = bank == before
+        || board.holds_alike(&design, &edof_device::random::for_design(&design, 1)).map_err(of)?;
     Ok((None, if same { own } else { 0 }))
 }

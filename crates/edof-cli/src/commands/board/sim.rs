@@ -11,13 +11,13 @@ use crate::ui::Ui;
 use crate::weights;
 use edof_board::Simulated;
 use edof_board::terminal::{Device, InRust, Terminal};
+use edof_core::RawFrame;
 use edof_cosim::system::{Speed, VerilogBoard};
 use edof_cosim::verilator::Options;
 use edof_device::Design;
 use edof_device::design::FrameSize;
 use edof_device::video::VideoTiming;
 use edof_golden::{Display, Picture};
-use edof_image::RawFrame;
 use edof_io::{photo, raw};
 use edof_network::FixedNetwork;
 use ndarray::Array2;
@@ -163,7 +163,7 @@ fn network(design: &Design, given: &str, named: Option<&str>) -> Result<FixedNet
         return Ok(network);
     }
     let own = super::known(design, &[]).into_iter().next();
-    Ok(own.unwrap_or_else(|| edof_random::for_design(design, 1)))
+    Ok(own.unwrap_or_else(|| edof_device::random::for_design(design, 1)))
 }
 
 fn frame(design: &Design, sim: &Args) -> Result<RawFrame, Error> {
@@ -189,7 +189,7 @@ fn frame(design: &Design, sim: &Args) -> Result<RawFrame, Error> {
 fn write(file: &Path, words: &[u16], size: FrameSize, codes: bool) -> Result<(), Error> {
     if codes {
         let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-        edof_storage::atomic::write(file, &bytes)?;
+        edof_core::storage::atomic::write(file, &bytes)?;
         return Ok(());
     }
     let at = |row: usize, column: usize| words[row * size.width + column].to_le_bytes();

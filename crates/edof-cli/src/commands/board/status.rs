@@ -6,7 +6,7 @@ use crate::interrupt;
 use crate::ui::Ui;
 use edof_board::diagnosis::{Finding, findings};
 use edof_board::status::{Report, StatusSnapshot, report};
-use edof_image::words::number;
+use edof_core::words::number;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 

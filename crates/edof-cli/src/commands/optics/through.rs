@@ -6,11 +6,11 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
 use crate::{interrupt, said, weights};
-use edof_camera::Camera;
-use edof_image::words::number;
-use edof_image::{ColourFrame, Tone};
+use edof_core::camera::Camera;
+use edof_core::storage::provenance::Input;
+use edof_core::words::number;
+use edof_core::{ColourFrame, Tone};
 use edof_io::photos::Selection;
-use edof_storage::provenance::Input;
 use edof_train::joint::{Joint, JointError, JointState, random_lens, values};
 use edof_train::recipe::Recipe;
 use edof_train::threads::check_threads;
@@ -118,7 +118,7 @@ pub(super) fn design(args: &Design, name: &str, ui: &Ui) -> Result<(), Error> {
     let mut camera = state.best.clone();
     camera.name = args.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     camera.source = args.through_source(name, &run.start);
-    edof_storage::atomic::write(&args.out, camera.to_json().as_bytes())?;
+    edof_core::storage::atomic::write(&args.out, camera.to_json().as_bytes())?;
     let _ = std::fs::remove_file(&file);
     interrupt::keeps(None);
     tell(&camera, &run, &state, begun.elapsed().as_secs_f64(), args, ui)
@@ -226,7 +226,7 @@ fn check_checkpoint(file: &Path, resume: bool) -> Result<(), Error> {
 fn save(file: &Path, run: &Run, state: &JointState) -> Result<(), Error> {
     let checkpoint = Checkpoint { run: run.clone(), state: state.clone() };
     let text = serde_json::to_string(&checkpoint).map_err(|error| said::of_file(file, error))?;
-    Ok(edof_storage::atomic::write(file, text.as_bytes())?)
+    Ok(edof_core::storage::atomic::write(file, text.as_bytes())?)
 }
 
 fn load(file: &Path, run: &Run) -> Result<JointState, Error> {

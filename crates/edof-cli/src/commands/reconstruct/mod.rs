@@ -12,14 +12,14 @@ use crate::said;
 use crate::ui::Ui;
 use crate::weights;
 use crate::words;
-use edof_camera::Camera;
-use edof_float::reconstruct::{FloatReconstructor, Output};
+use edof_core::camera::Camera;
+use edof_core::frame::FrameError;
+use edof_core::overlap::Overlap;
+use edof_core::reconstructor::Multiplications;
+use edof_core::storage::provenance::Input;
+use edof_core::{CfaPhase, Channel, ColourFrame, RawFrame, Reconstructor, Stride, Tone, cable};
 use edof_golden::{Counts, Display, Golden};
 use edof_gpu::{GpuFloat, GpuGolden};
-use edof_image::frame::FrameError;
-use edof_image::overlap::Overlap;
-use edof_image::reconstructor::Multiplications;
-use edof_image::{CfaPhase, Channel, ColourFrame, RawFrame, Reconstructor, Stride, Tone, cable};
 use edof_io::camera_raw::CameraRawError;
 use edof_io::dng::Finish;
 use edof_io::levels::{Levels, LevelsError};
@@ -31,7 +31,7 @@ use edof_io::rendering::Rendering;
 use edof_io::{photo, raw};
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::layer_names;
-use edof_storage::provenance::Input;
+use edof_network::float::reconstruct::{FloatReconstructor, Output};
 use options::{curve, overrides, raw_options};
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -244,7 +244,7 @@ impl Job<'_> {
                 ui.note(format!("{raw}: the board neither corrects the lens nor crops or turns the picture"));
             }
             photo::save(&self.out, &picture.shown_frame(), args.bits)?;
-            edof_storage::atomic::write(codes, &picture.yuyv())?;
+            edof_core::storage::atomic::write(codes, &picture.yuyv())?;
             taken.frame.size()
         } else {
             let mut light = out.colour();

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::lens;
 use crate::ui::Ui;
 use crate::weights;
-use edof_image::Tone;
+use edof_core::Tone;
 use edof_network::Fit;
 use edof_network::network::{Condition, Origin};
 

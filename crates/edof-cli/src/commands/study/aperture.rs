@@ -6,8 +6,8 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::said;
 use crate::ui::Ui;
-use edof_camera::Camera;
-use edof_image::words::number;
+use edof_core::camera::Camera;
+use edof_core::words::number;
 use edof_optics::statistics::Statistics;
 use edof_study::aperture::{Aperture, Comparing, Plan};
 use std::path::PathBuf;
@@ -85,7 +85,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     if let Some(folder) = &args.cameras {
         for camera in plan.cameras()? {
             let file = folder.join(format!("{}.json", camera.name));
-            edof_storage::atomic::write(&file, camera.to_json().as_bytes())?;
+            edof_core::storage::atomic::write(&file, camera.to_json().as_bytes())?;
         }
     }
     let journal = measured(&mut Comparing::new(&plan), args.rows.rows.as_ref(), &args.rows.part, ui)?;

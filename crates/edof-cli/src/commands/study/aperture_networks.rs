@@ -7,12 +7,12 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::said;
 use crate::ui::Ui;
-use edof_camera::Camera;
-use edof_image::Stride;
-use edof_methods::nets::Net;
+use edof_core::Stride;
+use edof_core::camera::Camera;
 use edof_optics::statistics::Statistics;
 use edof_study::aperture::networks::{ApertureNetworks, Peer, Photographing, Plan, Row};
 use edof_study::aperture::{self};
+use edof_study::methods::nets::Net;
 use std::path::{Path, PathBuf};
 
 /// Mean light of a scene, full scale 1, and side of the raw window: those of edof study aperture.

@@ -6,7 +6,7 @@ use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
-use edof_stability::bits;
+use edof_study::stability::bits;
 
 /// Effect of each layer's bits: dB lost against the bits of one stage or of all, and the fewest bits that lose next to nothing
 ///
@@ -55,7 +55,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     }
     drop(progress);
     let report = || Ok(bits::report(&all, &ui.signed(&ui.provenance().command)));
-    args.outputs.write(|| bits::to_markdown(&all, &ui.made_here()), report, || edof_report::csv::of(&all))?;
+    args.outputs.write(
+        || bits::to_markdown(&all, &ui.made_here()),
+        report,
+        || edof_study::report::csv::of(&all),
+    )?;
     for bits in &all {
         ui.say(bits.verdict())?;
     }

@@ -6,8 +6,8 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
 use edof_golden::cycle::explore::front;
-use edof_report::csv;
 use edof_study::design::{Folding, Foldings};
+use edof_study::report::csv;
 
 /// Foldings of networks that fit the board: dB against cycles, multipliers and frames per second, and the Pareto-optimal ones
 ///

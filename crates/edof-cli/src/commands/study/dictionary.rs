@@ -6,7 +6,7 @@ use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::kind::Kind;
 use crate::ui::Ui;
-use edof_methods::dictionary::{self, Recipe};
+use edof_study::methods::dictionary::{self, Recipe};
 use std::path::PathBuf;
 
 /// Learn the dictionary of 8×8 colour patches of OMP and FISTA by k-SVD
@@ -16,7 +16,7 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example: the dictionary that comes with the program
-  edof study dictionary --out crates/edof-methods/data/dictionary-192.safetensors")]
+  edof study dictionary --out crates/edof-study/data/dictionary-192.safetensors")]
 pub struct Args {
     /// File to write (safetensors)
     #[arg(long, value_name = "FILE")]

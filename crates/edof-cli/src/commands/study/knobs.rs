@@ -6,9 +6,9 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::lens::Depth;
 use crate::ui::Ui;
-use edof_image::{Noise, Stride};
-use edof_methods::dictionary::Dictionary;
+use edof_core::{Noise, Stride};
 use edof_study::knobs::{KNOBS, Knob, Knobs, Plan, Turning};
+use edof_study::methods::dictionary::Dictionary;
 use std::path::PathBuf;
 use std::sync::Arc;
 

@@ -7,7 +7,7 @@ use crate::files::Files;
 use crate::lens::Depth;
 use crate::said;
 use crate::ui::Ui;
-use edof_image::{Noise, Tone};
+use edof_core::{Noise, Tone};
 use edof_study::kodak::{Conditions, Kodak, Plan};
 use edof_study::setup::{Setup, setups};
 use edof_study::summary::Study;

@@ -7,11 +7,11 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::said;
 use crate::ui::Ui;
-use edof_camera::Camera;
-use edof_image::{Noise, Tone};
-use edof_methods::dictionary::Dictionary;
-use edof_methods::spec::MethodSpec;
+use edof_core::camera::Camera;
+use edof_core::{Noise, Tone};
 use edof_optics::draw::{Builtin, DrawError, four_depths};
+use edof_study::methods::dictionary::Dictionary;
+use edof_study::methods::spec::MethodSpec;
 use edof_study::multi_depth::{
     BEHIND, BLIND, CODED, DEMOSAICED, Drawn, Lens, MIDDLE, MultiDepth, OMP, Plan, Scenes,
 };

@@ -4,16 +4,16 @@ use crate::error::Error;
 use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::ui::Ui;
-use edof_image::words::count;
+use edof_core::storage::input;
+use edof_core::storage::provenance::Input;
+use edof_core::words::count;
 use edof_io::photos::{self, Photo, Selection};
-use edof_methods::spec::MethodSpec;
 use edof_optics::psf::Settings;
-use edof_report::Report;
-use edof_storage::input;
-use edof_storage::provenance::Input;
 use edof_study::experiment::{self, Experiment, RunError};
 use edof_study::journal::{Header, Journal, Line, Maker, Mixing, Progress, Shard};
 use edof_study::made::{Made, machines};
+use edof_study::methods::spec::MethodSpec;
+use edof_study::report::Report;
 use edof_study::study_report::StudyReport;
 use std::path::PathBuf;
 
@@ -316,13 +316,13 @@ impl Outputs {
         csv: impl FnOnce() -> String,
     ) -> Result<(), Error> {
         if let Some(path) = &self.markdown {
-            edof_storage::atomic::write(path, markdown().as_bytes())?;
+            edof_core::storage::atomic::write(path, markdown().as_bytes())?;
         }
         if let Some(path) = &self.report {
             report()?.save(path)?;
         }
         if let Some(path) = &self.csv {
-            edof_storage::atomic::write(path, csv().as_bytes())?;
+            edof_core::storage::atomic::write(path, csv().as_bytes())?;
         }
         Ok(())
     }

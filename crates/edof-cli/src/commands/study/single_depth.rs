@@ -8,10 +8,10 @@ use crate::files::Files;
 use crate::lens::{self, Depth};
 use crate::said;
 use crate::ui::Ui;
-use edof_image::{Noise, Tone};
-use edof_methods::dictionary::Dictionary;
-use edof_methods::spec::MethodSpec;
+use edof_core::{Noise, Tone};
 use edof_study::made::machines;
+use edof_study::methods::dictionary::Dictionary;
+use edof_study::methods::spec::MethodSpec;
 use edof_study::single_depth::{Plan, SingleDepth};
 use edof_study::speed::Speed;
 use edof_study::study_report::StudyReport;
@@ -122,7 +122,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let journal = measured(&mut experiment, Some(&args.rows.rows), &args.rows.part, ui)?;
     if let Some(path) = &args.plot {
         let speed = Speed::new(&journal.rows(), machines(&journal.makers()))?;
-        edof_storage::atomic::write(path, speed.diagrams().as_bytes())?;
+        edof_core::storage::atomic::write(path, speed.diagrams().as_bytes())?;
     }
     tell::<Speed>(&journal, &args.outputs, ui)
 }

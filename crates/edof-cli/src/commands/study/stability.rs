@@ -7,9 +7,9 @@ use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
-use edof_stability::bench::{Bench, Trained};
-use edof_stability::case::{self, Case};
-use edof_stability::suite::Suite;
+use edof_study::stability::bench::{Bench, Trained};
+use edof_study::stability::case::{self, Case};
+use edof_study::stability::suite::Suite;
 use std::path::PathBuf;
 
 /// Run the hard cases; print acceptance limit, worst error and result of each
@@ -72,7 +72,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let suite = suite.ok_or(Error::Interrupted)?;
     let rows: Vec<_> = suite.cases.iter().flat_map(|outcome| &outcome.seen).collect();
     let report = || Ok(suite.report(&ui.signed(&ui.provenance().command)));
-    args.outputs.write(|| suite.to_markdown(&ui.made_here()), report, || edof_report::csv::of(&rows))?;
+    args.outputs.write(
+        || suite.to_markdown(&ui.made_here()),
+        report,
+        || edof_study::report::csv::of(&rows),
+    )?;
     ui.say(suite.to_text())?;
     ui.json(&suite)?;
     if suite.broken == 0 { Ok(()) } else { Err(Error::message(suite.verdict())) }

@@ -8,7 +8,7 @@ use crate::lens::Depth;
 use crate::said;
 use crate::ui::Ui;
 use crate::weights;
-use edof_image::{Noise, Stride, Tone};
+use edof_core::{Noise, Stride, Tone};
 use edof_study::tolerances::{Kind, Plan, Row, Tolerances, Tolerating};
 
 /// Errors of the lens (ring radius, ring depth, wavelength, focus, tilt of the sensor) that cost 0.1 dB

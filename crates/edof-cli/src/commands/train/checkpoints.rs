@@ -3,7 +3,7 @@
 use super::options::Args;
 use crate::error::Error;
 use crate::weights;
-use edof_storage::digest::sha256;
+use edof_core::storage::digest::sha256;
 use edof_train::recipe::Recipe;
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};

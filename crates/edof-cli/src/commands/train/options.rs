@@ -6,7 +6,7 @@ use crate::form;
 use crate::lens::{Depth, DepthRange};
 use crate::said::single;
 use clap::ValueEnum;
-use edof_image::Tone;
+use edof_core::Tone;
 use edof_io::photos::Selection;
 use edof_network::network::Form;
 use edof_train::recipe::Trained;

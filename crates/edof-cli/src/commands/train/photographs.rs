@@ -2,8 +2,8 @@
 
 use crate::error::Error;
 use crate::ui::Ui;
-use edof_image::ColourFrame;
-use edof_image::words::count;
+use edof_core::ColourFrame;
+use edof_core::words::count;
 use edof_io::photo;
 use edof_io::photos::{self, Selection};
 use std::collections::BTreeSet;

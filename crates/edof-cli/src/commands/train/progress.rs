@@ -1,6 +1,6 @@
 //! What `edof train` says while it runs.
 
-use edof_image::Noise;
+use edof_core::Noise;
 use edof_train::train::{Best, Progress, Trainer};
 use edof_train::validation::{Measured, Validation};
 use serde_json::{Value, json};

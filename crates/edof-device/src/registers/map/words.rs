@@ -1,6 +1,6 @@
 //! Addresses that programs use by name, the bits of their words, and words that protect themselves.
 
-use edof_image::display::DisplayMode;
+use edof_core::display::DisplayMode;
 
 /// `EDOF` in ASCII: what `id` reads.
 pub const ID: u32 = u32::from_be_bytes(*b"EDOF");

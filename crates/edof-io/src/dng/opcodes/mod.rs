@@ -20,7 +20,7 @@ use super::pixels::Sample;
 use super::rejection::Rejection;
 use super::tags::{self, Tag};
 use defects::Defects;
-use edof_image::ColourFrame;
+use edof_core::ColourFrame;
 use lens::{Vignette, Warp};
 use ndarray::{Array2, ArrayViewMut2, Axis};
 use parameters::Parameters;

@@ -12,16 +12,16 @@ pub use peer::{Peer, PeerError};
 use super::{Best, Lens, along};
 use crate::experiment::Experiment;
 use crate::journal::{Key, Line, Ordered, Proof, settings};
+use crate::methods::spec::Case;
+use crate::metrics::BORDER;
 use crate::trial::{Trial, TrialError, sensor};
-use edof_image::noise::{Noise, SensorNoise};
-use edof_image::{Reconstructor, Tone};
+use edof_core::noise::{Noise, SensorNoise};
+use edof_core::storage::digest::sha256;
+use edof_core::storage::provenance::Input;
+use edof_core::{Reconstructor, Tone};
 use edof_io::photos::Photo;
-use edof_methods::spec::Case;
-use edof_metrics::BORDER;
 use edof_optics::estimator::JudgeError;
 use edof_optics::psf::{Psf, Settings, channel_psfs};
-use edof_storage::digest::sha256;
-use edof_storage::provenance::Input;
 use serde::{Deserialize, Serialize};
 
 /// Photographs are decoded to light.
@@ -63,7 +63,7 @@ pub struct Row {
     /// Depth, in ψ of the open aperture.
     pub psi: f64,
     /// PSNR in dB (peak 1) of the encoded picture.
-    #[serde(with = "edof_metrics::number")]
+    #[serde(with = "crate::metrics::number")]
     pub psnr_db: f64,
     /// What the closed-form estimator expects in that light, averaged over the range.
     pub estimated_average_db: f64,

@@ -2,13 +2,13 @@
 
 use super::{Lens, Row};
 use crate::made::Made;
+use crate::metrics::paired::Paired;
+use crate::report::plot::{Axis, Mark, Plot, SMALL, Series};
+use crate::report::{Report, Table};
 use crate::study_report::{StudyReport, StudyReportError};
 use crate::verdict::is_ahead;
-use edof_image::words::count;
-use edof_metrics::paired::Paired;
+use edof_core::words::count;
 use edof_numerics::mean;
-use edof_report::plot::{Axis, Mark, Plot, SMALL, Series};
-use edof_report::{Report, Table};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;

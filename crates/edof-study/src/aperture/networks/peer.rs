@@ -1,11 +1,11 @@
 //! A lens of the comparison with the networks that were trained for it.
 
 use super::{DEPTHS, Lens, TONE, along};
-use edof_camera::Camera;
-use edof_image::{Noise, Stride};
-use edof_methods::nets::Net;
-use edof_methods::nets_by_noise::{self, ByNoiseError};
-use edof_methods::spec::MethodSpec;
+use crate::methods::nets::Net;
+use crate::methods::nets_by_noise::{self, ByNoiseError};
+use crate::methods::spec::MethodSpec;
+use edof_core::camera::Camera;
+use edof_core::{Noise, Stride};
 use edof_network::network::Condition;
 
 /// A lens, and one network or several of which each light meets its own.

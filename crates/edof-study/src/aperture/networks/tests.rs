@@ -3,12 +3,12 @@ use super::*;
 use crate::experiment::run;
 use crate::journal::{Header, Journal, Program, Shard};
 use crate::made::Made;
+use crate::methods::nets::Net;
+use crate::metrics::paired::Paired;
 use crate::study_report::StudyReport;
-use edof_camera::Camera;
-use edof_image::geometry::Window;
-use edof_image::{ColourFrame, Stride};
-use edof_methods::nets::Net;
-use edof_metrics::paired::Paired;
+use edof_core::camera::Camera;
+use edof_core::geometry::Window;
+use edof_core::{ColourFrame, Stride};
 use edof_network::Network;
 use edof_network::network::Condition;
 use edof_optics::statistics::Statistics;
@@ -29,7 +29,7 @@ fn estimator() -> crate::aperture::Plan {
 
 /// A network that was trained for a camera and gains of the sensor.
 fn net(camera: &Camera, name: &str, [least, most]: [f64; 2]) -> Net {
-    let mut float: Network = edof_random::silent(camera.clone());
+    let mut float: Network = edof_device::random::silent(camera.clone());
     let [least_noise, noise] = [least, most].map(Noise::sensor);
     float.origin.conditions = vec![Condition { tone: TONE, noise, least_noise }];
     float.origin.patches = 512;

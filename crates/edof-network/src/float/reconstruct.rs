@@ -1,0 +1,298 @@
+//! A whole frame through the float network: what the fixed-point pipeline approximates.
+
+use crate::Network;
+use crate::float::matmul::{Destination, Mat, product};
+use crate::float::parameters::flatten;
+use crate::float::pass::Pass;
+use edof_core::colour::{OUTPUTS_422, RGB_OUTPUTS, chroma_word, luma_word, patch_422_from_rgb, rgb_from_422};
+use edof_core::frame::Frame422;
+use edof_core::geometry::{PATCH, PATCH_PIXELS, mirror};
+use edof_core::overlap::Overlap;
+use edof_core::reconstructor::Multiplications;
+use edof_core::{ColourFrame, Geometry, RawFrame, ReconstructError, Reconstruction, Reconstructor, Stride};
+use ndarray::{Array2, Array3, ArrayView2, ArrayViewMut2};
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// What the reconstructed frame has been through.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Output {
+    /// RGB as the network gives it.
+    Rgb,
+    /// The board's format: 4:2:2 in words of 16 bits, and back to RGB.
+    Ycc422,
+}
+
+/// The float network as a method of reconstruction.
+#[derive(Debug)]
+pub struct FloatReconstructor {
+    name: String,
+    network: Network,
+    weights: Vec<f32>,
+    geometry: Geometry,
+    /// Weight of each pixel of a patch.
+    averaging: Array2<f32>,
+    output: Output,
+    /// The most non-zeros of a patch after each shrinkage.
+    budget: Option<usize>,
+}
+
+impl FloatReconstructor {
+    /// The network at a stride; its name in reports is the network's with `.float` or `.float422`.
+    ///
+    /// # Errors
+    /// [`crate::network::NetworkError`] if the matrices do not fit the form.
+    pub fn new(
+        network: Network,
+        stride: Stride,
+        overlap: Overlap,
+        output: Output,
+    ) -> Result<Self, crate::network::NetworkError> {
+        network.check()?;
+        let suffix = match output {
+            Output::Rgb => "float",
+            Output::Ycc422 => "float422",
+        };
+        Ok(Self {
+            name: format!("{}.{suffix}", network.origin.name),
+            weights: flatten(&network),
+            geometry: Geometry::new(network.form.window, stride),
+            network,
+            averaging: overlap.weights(stride).mapv(|w| w as f32),
+            output,
+            budget: None,
+        })
+    }
+
+    /// The same with at most N non-zeros per patch after each shrinkage, the largest.
+    #[must_use]
+    pub const fn within(mut self, budget: usize) -> Self {
+        self.budget = Some(budget);
+        self
+    }
+
+    /// Windows × pixels of one row of patches, mirrored at the borders; 0…1.
+    fn windows(&self, pixels: ArrayView2<'_, u16>, patch_row: usize, columns: usize) -> Vec<f32> {
+        let (height, width) = pixels.dim();
+        let side = self.geometry.window.side();
+        let mut windows = Vec::with_capacity(columns * side * side);
+        let top = self.geometry.window_start(patch_row);
+        for patch_column in 0..columns {
+            let left = self.geometry.window_start(patch_column);
+            for r in 0..side as isize {
+                let line = pixels.row(mirror(top + r, height));
+                windows
+                    .extend((0..side as isize).map(|c| f32::from(line[mirror(left + c, width)]) / 65536.0));
+            }
+        }
+        windows
+    }
+
+    /// Patches that the network gives, one row of them after the other; each window's outputs by `output`.
+    fn patches(
+        &self,
+        pixels: ArrayView2<'_, u16>,
+        output: impl Fn(&[f32]) -> Vec<f32> + Sync,
+    ) -> Vec<Vec<f32>> {
+        let (height, width) = pixels.dim();
+        let (rows, columns) = self.geometry.patches(height, width);
+        (0..rows)
+            .into_par_iter()
+            .map_init(
+                || Pass::new(self.network.form, columns).within(self.budget),
+                |pass, row| output(pass.forward(&self.weights, &self.windows(pixels, row, columns), columns)),
+            )
+            .collect()
+    }
+
+    /// Weighted sum of all overlapping patches; RGB.
+    fn rgb(&self, pixels: ArrayView2<'_, u16>) -> ColourFrame {
+        let (height, width) = pixels.dim();
+        let mut planes = Array3::zeros((3, height, width));
+        for (patch_row, line) in self.patches(pixels, <[f32]>::to_vec).iter().enumerate() {
+            for (patch_column, patch) in line.chunks_exact(RGB_OUTPUTS).enumerate() {
+                for (plane, block) in planes.outer_iter_mut().zip(patch.chunks_exact(PATCH_PIXELS)) {
+                    self.add(plane, block, (patch_row, patch_column), 1);
+                }
+            }
+        }
+        ColourFrame { planes }
+    }
+
+    /// The board's 4:2:2 frame. As on the board each patch is brought to 4:2:2 before it is added, so that at a stride below 8,
+    /// too, only rounding distinguishes the integers from this.
+    fn ycc422(&self, pixels: ArrayView2<'_, u16>) -> Frame422 {
+        let (height, width) = pixels.dim();
+        let map: Vec<f32> = patch_422_from_rgb().iter().map(|v| *v as f32).collect();
+        let to_422 = |rgb: &[f32]| {
+            let windows = rgb.len() / RGB_OUTPUTS;
+            let mut out = vec![0.0; windows * OUTPUTS_422];
+            let map = Mat::new(&map, OUTPUTS_422, RGB_OUTPUTS);
+            product(&mut out, Destination::Replace, Mat::new(rgb, windows, RGB_OUTPUTS), map.t());
+            out
+        };
+        let mut luma = Array2::zeros((height, width));
+        let mut chroma = [Array2::zeros((height, width / 2)), Array2::zeros((height, width / 2))];
+        for (patch_row, line) in self.patches(pixels, to_422).iter().enumerate() {
+            for (patch_column, patch) in line.chunks_exact(OUTPUTS_422).enumerate() {
+                let (y, differences) = patch.split_at(PATCH_PIXELS);
+                self.add(luma.view_mut(), y, (patch_row, patch_column), 1);
+                for (plane, block) in chroma.iter_mut().zip(differences.chunks_exact(PATCH_PIXELS / 2)) {
+                    self.add(plane.view_mut(), block, (patch_row, patch_column), 2);
+                }
+            }
+        }
+        Frame422 {
+            luma: luma.mapv(|v| luma_word(f64::from(v))),
+            chroma: chroma.map(|plane| plane.mapv(|v| chroma_word(f64::from(v)))),
+        }
+    }
+
+    /// Adds a block of one plane of a patch, weighted for the overlap. Planes may have a sample at each pixel or at every
+    /// `every`-th of a row only.
+    fn add(&self, mut plane: ArrayViewMut2<'_, f32>, block: &[f32], patch: (usize, usize), every: usize) {
+        let (height, width) = plane.dim();
+        let weights = &self.averaging;
+        let top = self.geometry.patch_start(patch.0);
+        let left = self.geometry.patch_start(patch.1) / every as isize;
+        let columns = PATCH / every;
+        for (i, &value) in block.iter().enumerate() {
+            let (r, c) = (i / columns, i % columns);
+            let (row, column) = (top + r as isize, left + c as isize);
+            if (0..height as isize).contains(&row) && (0..width as isize).contains(&column) {
+                plane[(row as usize, column as usize)] += value * weights[(r, c * every)];
+            }
+        }
+    }
+
+    /// No zero is skipped here.
+    fn multiplications(&self, height: usize, width: usize) -> Multiplications {
+        let (rows, columns) = self.geometry.patches(height, width);
+        let dense = (rows * columns) as u64 * self.network.form.dense_multiplications(RGB_OUTPUTS);
+        Multiplications { dense, executed: dense }
+    }
+}
+
+impl Reconstructor for FloatReconstructor {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn reconstruct(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
+        Reconstruction::through(self.network.origin.values, raw, |raw| self.values(raw))
+    }
+}
+
+impl FloatReconstructor {
+    fn values(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
+        let start = Instant::now();
+        let (height, width) = raw.size();
+        self.geometry.check_frame((height, width))?;
+        let (aligned, (row, column)) = raw.to_rggb();
+        let (rows, columns) = aligned.size();
+        let pixels = aligned.pixels().view();
+        let frame = match self.output {
+            Output::Rgb => self.rgb(pixels),
+            Output::Ycc422 => rgb_from_422(&self.ycc422(pixels)),
+        };
+        Ok(Reconstruction {
+            frame: frame.crop(row, column, height, width),
+            seconds: start.elapsed().as_secs_f64(),
+            multiplications: Some(self.multiplications(rows, columns)),
+            counters: None,
+            iterations: None,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::{Form, Origin, Recurrence, Shrinkage};
+    use edof_core::camera::Camera;
+    use edof_core::{CfaPhase, Tone, Window};
+    use ndarray::Array1;
+
+    /// A network without codes whose linear path takes each output's colour from the nearest site of that colour.
+    fn nearest_site_network(window: usize) -> Network {
+        let window = Window::new(window).unwrap();
+        let form = Form {
+            window,
+            codes: 1,
+            layers: 2,
+            shrinkage: Shrinkage::OneSided,
+            recurrence: Recurrence::Direct,
+            linear_path: true,
+            tied: false,
+        };
+        let mut r = Array2::zeros((RGB_OUTPUTS, window.pixels()));
+        for output in 0..RGB_OUTPUTS {
+            let (plane, pixel) = (output / 64, output % 64);
+            let cell = |v: usize, odd: bool| v / 2 * 2 + usize::from(odd) + window.margin();
+            let (row, column) = (cell(pixel / 8, plane == 2), cell(pixel % 8, plane > 0));
+            r[(output, row * window.side() + column)] = 1.0;
+        }
+        Network {
+            form,
+            analysis: Array2::zeros((1, window.pixels())),
+            thresholds: vec![Array1::zeros(1)],
+            recurrent: vec![],
+            dictionary: Array2::zeros((RGB_OUTPUTS, 1)),
+            linear_path: Some(r),
+            origin: Origin::untrained("nearest", Camera::resolve("clear").unwrap()),
+        }
+    }
+
+    fn flat_raw(phase: CfaPhase) -> RawFrame {
+        let codes =
+            Array2::from_shape_fn((20, 28), |(r, c)| [60000, 30000, 10000][phase.channel(r, c).plane()]);
+        RawFrame::from_values(codes, 16, phase).unwrap()
+    }
+
+    #[test]
+    fn every_phase_window_and_stride_gives_a_flat_colour_back() {
+        for phase in CfaPhase::ALL {
+            for (window, stride) in [(8, 8), (12, 4), (16, 2)] {
+                let method = FloatReconstructor::new(
+                    nearest_site_network(window),
+                    Stride::new(stride).unwrap(),
+                    Overlap::Hann,
+                    Output::Rgb,
+                )
+                .unwrap();
+                let out = method.reconstruct(&flat_raw(phase)).unwrap().frame;
+                assert_eq!(out.size(), (20, 28));
+                for ((plane, ..), v) in out.planes.indexed_iter() {
+                    let exact = [60000.0, 30000.0, 10000.0][plane] / 65536.0;
+                    assert!((v - exact).abs() < 1e-5, "{phase} {window} {stride}: {v} for {exact}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_network_of_encoded_values_gives_a_flat_colour_of_light_back() {
+        let mut network = nearest_site_network(12);
+        network.origin.values = Tone::Srgb;
+        let method = FloatReconstructor::new(network, Stride::PATCH, Overlap::Hann, Output::Rgb).unwrap();
+        let raw = flat_raw(CfaPhase::Grbg);
+        for ((plane, ..), v) in method.reconstruct(&raw).unwrap().frame.planes.indexed_iter() {
+            let exact = [60000.0, 30000.0, 10000.0][plane] / 65536.0;
+            assert!((v - exact).abs() < 3e-5, "{v} for {exact}");
+        }
+        let window = method.windows(raw.encoded(Tone::Srgb).pixels().view(), 0, 3);
+        assert!((window[0] - Tone::Srgb.encode(30000.0 / 65536.0)).abs() < 1e-5);
+    }
+
+    #[test]
+    fn the_boards_format_costs_a_flat_colour_less_than_two_words() {
+        let method =
+            FloatReconstructor::new(nearest_site_network(8), Stride::PATCH, Overlap::Flat, Output::Ycc422)
+                .unwrap();
+        assert_eq!(method.name(), "nearest.float422");
+        let out = method.reconstruct(&flat_raw(CfaPhase::Rggb)).unwrap().frame;
+        for ((plane, ..), v) in out.planes.indexed_iter() {
+            assert!((v - [60000.0, 30000.0, 10000.0][plane] / 65536.0).abs() < 2.0 / 16384.0);
+        }
+    }
+}
