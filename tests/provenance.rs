@@ -191,3 +191,50 @@ fn results_about_lenses_and_hardware_name_what_they_were_made_of() {
         ["design", "weights", "photograph"]
     );
 }
+
+/// A place with a frame, a photograph and a network.
+fn ready() -> Place {
+    let place = Place::new();
+    place.raw("raw.png", 48, 32);
+    place.photo("photo.png", 96, 64);
+    place.fixed_network("net.fixed.safetensors");
+    place
+}
+
+#[test]
+fn defaults_that_older_results_state_are_accepted() {
+    let place = ready();
+    for line in [
+        format!("capture photo.png --camera clear --psi 1 --out o.png --layers 16 --map-of nearness"),
+        format!(
+            "capture photo.png --camera clear --psi 1 --out o.png --exact --energy 0.999 --wavelength-tolerance 0.01 --depth-tolerance 0"
+        ),
+        "compare photo.png photo.png --map-gain 8".to_owned(),
+        format!("reconstruct raw.png --weights net.fixed.safetensors --out o.png --order little"),
+        "board map --baud 921600".to_owned(),
+    ] {
+        place.edof(&line).done();
+    }
+}
+
+#[test]
+fn a_command_that_a_result_states_can_be_run_and_states_itself() {
+    let place = ready();
+    let stated = |line: &str| -> String {
+        let run = place.edof(&format!("{line} --json")).done();
+        let told: Value = serde_json::from_str(&run.out).unwrap();
+        told["provenance"]["command"].as_str().unwrap().to_owned()
+    };
+    for (line, more, without) in [
+        ("capture photo.png --camera clear --psi 1 --out o.png", "--out o.png", "--layers"),
+        ("capture photo.png --camera clear --psi 1 --out o.png --exact", "--out o.png", "--energy"),
+        ("compare photo.png photo.png", "", "--map-gain"),
+        ("random-network --design tiny --out o", "--out o", "--kind"),
+        ("cosim --design tiny --random 3", "", "--frames"),
+        ("reconstruct raw.png --board --weights net.fixed.safetensors --out o.png", "--out o.png", "--bits"),
+    ] {
+        let first = stated(line);
+        assert!(!first.contains(without), "{first}");
+        assert_eq!(stated(&format!("{} {more}", first.strip_prefix("edof ").unwrap())), first);
+    }
+}

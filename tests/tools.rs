@@ -111,12 +111,6 @@ fn timing_without_a_router_on_the_path_tells_what_is_missing() {
     }
 }
 
-#[test]
-fn timing_of_an_unknown_stage_names_the_stages() {
-    let run = Place::new().edof("timing --design tiny --stages M1,X");
-    run.refused(&["--stages X: no such stage, expected I, M1, M2, F"]);
-}
-
 /// Runs scripts/prepare.sh where of all programs only those in `bin` are there, and those that it needs.
 fn prepared(place: &Place, programs: &[(&str, &str)]) -> Output {
     let bin = place.path("bin");
