@@ -30,9 +30,9 @@ fn what_stands_in_a_generated_folder_and_is_not_its_own_is_named_and_kept() {
             place.write(&format!("out/{file}"), text);
         }
         let before = place.snapshot();
-        let mut told = vec!["--out out", "--force", if foreign.is_empty() { "notes.txt" } else { edited.0 }];
-        told.extend(foreign.iter().map(|(file, _)| *file));
-        place.edof(GENERATE).refused(&told);
+        let mut words = vec!["--out out", "--force", if foreign.is_empty() { "notes.txt" } else { edited.0 }];
+        words.extend(foreign.iter().map(|(file, _)| *file));
+        place.edof(GENERATE).refused(&words);
         assert!(place.snapshot() == before, "{edited:?}");
         place.edof(&format!("{GENERATE} --force")).done();
         for (file, text) in foreign {
@@ -101,15 +101,15 @@ fn a_folder_that_cannot_be_written_is_left_as_it_was() {
 fn a_result_replaces_the_result_of_an_earlier_run() {
     let place = Place::new();
     for line in [
-        "doctor --json told.json",
-        "estimate --design tiny --json told.json",
+        "doctor --json message.json",
+        "estimate --design tiny --json message.json",
         "design new --weights paper-t4 --out mine.json",
         "random-network --design tiny --out net",
-        "scene chart --size 64x64 --psi 1 --out drawn",
-        "board map --json told.json",
+        "scene chart --size 64x64 --psi 1 --out random",
+        "board map --json message.json",
     ] {
         place.edof(line).done();
         place.edof(line).done();
     }
-    assert_eq!(place.files(), ["drawn", "mine.json", "net", "told.json"]);
+    assert_eq!(place.files(), ["message.json", "mine.json", "net", "random"]);
 }

@@ -41,9 +41,7 @@ fn rows(table: &str) -> Vec<Row> {
                 edited: None,
             });
         } else {
-            let options = line
-                .split(" | ")
-                .map(|options| options.trim_matches('-').is_empty().then_some("").unwrap_or(options));
+            let options = line.split(" | ").map(|options| if options == "-" { "" } else { options });
             rows.extend(options.map(|options| Row {
                 line: format!("{head} {options}"),
                 pattern: None,

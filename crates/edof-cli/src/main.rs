@@ -22,6 +22,11 @@
 //!
 //! Exit status: 0 done, 1 rejected or failed (one line, `edof: …`; with `--progress json` an object), 2 wrong usage, 130 stopped by Ctrl-C.
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
+// With the features that the Python package needs (docs/decisions/0044-python.md).
+use once_cell as _;
+
 mod commands;
 mod cosim_system;
 mod demo_board;

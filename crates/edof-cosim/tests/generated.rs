@@ -24,7 +24,8 @@ fn names(dir: &Path) -> BTreeSet<String> {
 /// Text without the lines of the Rust sources that comments name.
 fn without_lines(text: &str) -> String {
     let (first, rest) = text.split_once(".rs:").map_or((text, None), |(first, rest)| (first, Some(rest)));
-    let rest = rest.map(|rest| format!(".rs{}", without_lines(rest.trim_start_matches(|c: char| c.is_ascii_digit()))));
+    let rest = rest
+        .map(|rest| format!(".rs{}", without_lines(rest.trim_start_matches(|c: char| c.is_ascii_digit()))));
     first.to_owned() + &rest.unwrap_or_default()
 }
 

@@ -82,7 +82,10 @@ fn compare(network: &FixedNetwork, isas: &[Isa], path: &Path) {
 /// where `in_turn` says so.
 fn compare_all(in_turn: bool, wanted: impl Fn(usize, usize) -> bool + Sync) {
     let photos = photos();
-    assert!(!photos.is_empty(), "no photographs: EDOF_KODAK must name a folder with kodim01.png ... kodim24.png");
+    assert!(
+        !photos.is_empty(),
+        "no photographs: EDOF_KODAK must name a folder with kodim01.png ... kodim24.png"
+    );
     let isas = Isa::available();
     let isas_of = |photo: usize| if in_turn { &isas[photo % isas.len()..][..1] } else { &isas[..] };
     for (n, network) in networks().iter().enumerate() {

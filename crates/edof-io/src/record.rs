@@ -71,8 +71,8 @@ pub enum RecordError {
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
     /// Not a record.
-    #[error("{path}: invalid raw-frame record: {}; correct the file, or move it elsewhere", json::words(source), path = path.display())]
-    Invalid { path: PathBuf, source: serde_json::Error },
+    #[error("{path}: invalid raw-frame record: {source}; correct the file, or move it elsewhere", path = path.display())]
+    Invalid { path: PathBuf, source: json::JsonError },
     /// Cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),

@@ -82,7 +82,7 @@ impl SceneFile {
     /// # Errors
     /// A text that lists no scene.
     pub fn parse(text: &str) -> Result<Self, SceneFileError> {
-        let file: Self = json::parse(text).map_err(|e| SceneFileError::NoScene(json::words(&e)))?;
+        let file: Self = json::parse(text).map_err(|e| SceneFileError::NoScene(e.to_string()))?;
         let layers = &file.layers;
         if !(1..=MAX_LAYERS).contains(&layers.len()) {
             return Err(SceneFileError::Layers(layers.len()));

@@ -28,6 +28,8 @@
 //! | | [`pictures`] | pictures of a scene of several depths, judged depth by depth |
 //! | | [`demo_report`] | the demo's verdict and its report |
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 pub mod aperture;
 pub mod demo;
 pub mod demo_report;

@@ -38,6 +38,8 @@
 //!
 //! Signatures may change between minor versions until 1.0.
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 pub mod presets;
 
 #[cfg(feature = "hardware")]

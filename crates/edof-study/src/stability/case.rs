@@ -137,8 +137,8 @@ pub enum CasesError {
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
     /// Text that holds no cases.
-    #[error("{file}: not a list of cases: {}", json::words(source))]
-    Parse { file: String, source: serde_json::Error },
+    #[error("{file}: not a list of cases: {source}")]
+    Parse { file: String, source: json::JsonError },
     /// Two of one name, or an invalid name.
     #[error("{file}: case id '{id}': {why}")]
     Id { file: String, id: String, why: &'static str },
