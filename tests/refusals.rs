@@ -28,25 +28,25 @@ fn rows(table: &str) -> Vec<Row> {
             continue;
         }
         let line = line.trim();
+        let row = |options: &str, pattern: Option<&str>| {
+            let line = format!("{head} {options}");
+            Row { line, pattern: pattern.map(str::to_owned), edited: None }
+        };
         if let Some((file, command)) = head.strip_prefix("edit ").and_then(|head| head.split_once(": ")) {
             let (field, rest) = line.split_once(" = ").unwrap_or_else(|| panic!("{line}: no ' = '"));
             let (value, pattern) = rest.split_once("=> ").unwrap_or_else(|| panic!("{line}: no '=> '"));
             let pattern = Some(format!("edited.json .. {pattern}"));
-            let edited = Some(edited(file, field, value.trim()));
-            rows.push(Row { line: command.to_owned(), pattern, edited });
-        } else if let Some((options, pattern)) = line.split_once("=> ") {
             rows.push(Row {
-                line: format!("{head} {options}"),
-                pattern: Some(pattern.to_owned()),
-                edited: None,
+                line: command.to_owned(),
+                pattern,
+                edited: Some(edited(file, field, value.trim())),
             });
+        } else if let Some((options, pattern)) = line.split_once("=> ") {
+            rows.push(row(options, Some(pattern)));
         } else {
-            let options = line.split(" | ").map(|options| if options == "-" { "" } else { options });
-            rows.extend(options.map(|options| Row {
-                line: format!("{head} {options}"),
-                pattern: None,
-                edited: None,
-            }));
+            rows.extend(
+                line.split(" | ").map(|options| row(if options == "-" { "" } else { options }, None)),
+            );
         }
     }
     assert!(rows.len() > 10, "{} rows", rows.len());

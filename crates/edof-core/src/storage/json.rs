@@ -98,7 +98,7 @@ pub fn reason(error: &serde_json::Error) -> String {
     match text.strip_suffix(&place(error)).unwrap_or(&text) {
         "trailing characters" => "extra text after the end of the JSON".to_owned(),
         "expected value" | "expected ident" => {
-            "size: no JSON value (texts need quotes; NaN and Infinity are not JSON)".to_owned()
+            "no JSON value (texts need quotes; NaN and Infinity are not JSON)".to_owned()
         }
         told if told.starts_with("EOF while parsing") && error.column() == 0 && error.line() == 1 => {
             EMPTY.to_owned()
