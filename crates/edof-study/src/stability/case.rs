@@ -244,6 +244,6 @@ mod tests {
         };
         assert!(refused(&format!("[{}, {}]", one("a"), one("a"))).ends_with("case id 'a': is there twice"));
         assert!(refused(&format!("[{}]", one("A b"))).contains("must be of small letters"));
-        assert!(refused("[{}]").contains("not a list of cases: missing field"));
+        assert!(refused("[{}]").contains("not a list of cases: [0]: missing field"));
     }
 }
