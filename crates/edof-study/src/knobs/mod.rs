@@ -16,7 +16,7 @@ use crate::experiment::Experiment;
 use crate::journal::{Key, Line, Ordered, Proof, settings};
 use crate::methods::spec::{Case, MethodSpec, PrepareError};
 use crate::metrics::timing::{Range, timed};
-use crate::metrics::{BORDER, MetricError, Quality};
+use crate::metrics::{BORDER, MetricError, psnr};
 use crate::trial::sensor;
 use edof_core::storage::digest::sha256;
 use edof_core::storage::provenance::Input;
@@ -298,8 +298,8 @@ impl Plan {
             Entry::Vacant(new) => new.insert(taken(how.layers.map(|l| l[1]), &how.reference)?.light),
         };
         let cut = taken(how.layers.map(|l| l[0]), &how.cut)?;
-        let quality = Quality::of(exact, &cut.light, BORDER);
-        let db = quality.map_err(|source| KnobsError::Metric { image: image(), source })?.psnr_db;
+        let db = psnr(exact, &cut.light, BORDER)
+            .map_err(|source| KnobsError::Metric { image: image(), source })?;
         let sides = || cut.depths.iter().flat_map(|depth| &depth.channels).map(|kernel| kernel.side);
         Ok(Measurement {
             psnr_db: db.min(MAX_DB),
@@ -336,9 +336,9 @@ impl Plan {
             Case { camera: &self.camera, psi: self.psi, noise: self.noise, optics: Settings::default() };
         let timed = timed(spec.prepare(&case)?.as_ref(), raw)
             .map_err(|source| KnobsError::Reconstruct { image: image(), source })?;
-        let quality = Quality::of(&photo.frame, &timed.result.frame, BORDER);
-        let db = quality.map_err(|source| KnobsError::Metric { image: image(), source })?.psnr_db;
-        Ok(Measurement { psnr_db: db, seconds: timed.result.seconds, range: timed.range, kernel_sides: None })
+        let psnr_db = psnr(&photo.frame, &timed.result.frame, BORDER)
+            .map_err(|source| KnobsError::Metric { image: image(), source })?;
+        Ok(Measurement { psnr_db, seconds: timed.result.seconds, range: timed.range, kernel_sides: None })
     }
 
     /// The photograph at the plan's depth, behind its camera.

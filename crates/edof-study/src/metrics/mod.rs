@@ -2,7 +2,8 @@
 //!
 //! | what | module |
 //! |---|---|
-//! | PSNR, SSIM and luma of a picture together, with the conventions of every number of this project | [`quality`] |
+//! | all metrics of a picture, with the conventions of every number of this project | [`quality`] |
+//! | the list of metrics, and what a metric is | [`registry`], [`metric`] |
 //! | frames that can be compared | [`comparable`] |
 //! | PSNR alone | [`psnr`](mod@psnr) |
 //! | SSIM alone | [`ssim`](mod@ssim) |
@@ -14,29 +15,33 @@
 //! | memory that the process holds, and the most that a run held | [`memory`] |
 //!
 //! ```
-//! use edof_core::ColourFrame;
+//! use edof_core::{ColourFrame, Tone};
 //! use edof_study::metrics::Quality;
 //!
 //! let truth = ColourFrame::zeros(32, 32);
 //! let mut estimate = truth.clone();
 //! estimate.planes += 0.01;
-//! let quality = Quality::of(&truth, &estimate, 2)?;
-//! assert!((quality.psnr_db - 40.0).abs() < 1e-4);
+//! let quality = Quality::of(&truth, &estimate, 2, Tone::Linear)?;
+//! assert!((quality.psnr_db() - 40.0).abs() < 1e-4);
 //! # Ok::<(), edof_study::metrics::MetricError>(())
 //! ```
 
 pub mod comparable;
 pub mod cpu_time;
 pub mod memory;
+pub mod metric;
 pub mod mtf50;
 pub mod number;
 pub mod paired;
 pub mod psnr;
 pub mod quality;
+pub mod registry;
 pub mod ssim;
 pub mod timing;
 
-pub use comparable::MetricError;
+pub use comparable::{MetricError, luma, shown};
+pub use metric::{Better, Metric, Score};
 pub use psnr::{decibel, mean_square, psnr};
-pub use quality::{BORDER, Quality, luma, shown};
+pub use quality::{BORDER, Quality};
+pub use registry::METRICS;
 pub use ssim::ssim;

@@ -1,7 +1,37 @@
 //! Structural similarity.
 
 use crate::metrics::comparable::{MetricError, check};
+use crate::metrics::metric::{Better, Metric, Place, Score};
 use ndarray::{Array2, ArrayView2, s};
+
+/// Mean of the three colours.
+pub(super) const ALL: Metric = Metric {
+    name: "ssim",
+    title: "SSIM",
+    unit: "",
+    better: Better::Higher,
+    min_side: SIDE,
+    decimals: 3,
+    place: Place::Tables,
+    measure: |pair| {
+        let of = |colour: usize| {
+            let [truth, estimate] = pair.planes(colour);
+            mean_ssim(truth, estimate)
+        };
+        Score::One((of(0) + of(1) + of(2)) / 3.0)
+    },
+};
+/// Of BT.709 luma.
+pub(super) const LUMA: Metric = Metric {
+    name: "luma_ssim",
+    title: "SSIM of luma",
+    place: Place::Rows,
+    measure: |pair| {
+        let [truth, estimate] = pair.luma();
+        Score::One(mean_ssim(truth.view(), estimate.view()))
+    },
+    ..ALL
+};
 
 /// Standard deviation of the Gaussian window, in pixels.
 const SIGMA: f64 = 1.5;
@@ -19,6 +49,11 @@ const C2: f64 = 0.03 * 0.03;
 /// [`MetricError`] for planes of different sizes, or smaller than the window.
 pub fn ssim(a: ArrayView2<'_, f32>, b: ArrayView2<'_, f32>) -> Result<f64, MetricError> {
     check(a.dim(), b.dim(), 0, SIDE)?;
+    Ok(mean_ssim(a, b))
+}
+
+/// As [`ssim`], of planes that were checked.
+fn mean_ssim(a: ArrayView2<'_, f32>, b: ArrayView2<'_, f32>) -> f64 {
     let (a, b) = (a.mapv(f64::from), b.mapv(f64::from));
     let mean_a = gaussian_mean(&a);
     let mean_b = gaussian_mean(&b);
@@ -33,7 +68,7 @@ pub fn ssim(a: ArrayView2<'_, f32>, b: ArrayView2<'_, f32>) -> Result<f64, Metri
                 / ((ma * ma + mb * mb + C1) * (variance_a + variance_b + C2));
         },
     );
-    Ok(sum / mean_a.len() as f64)
+    sum / mean_a.len() as f64
 }
 
 /// Weighted mean under SSIM's window, wherever it fits whole.
