@@ -54,21 +54,35 @@ pub fn ssim(a: ArrayView2<'_, f32>, b: ArrayView2<'_, f32>) -> Result<f64, Metri
 
 /// As [`ssim`], of planes that were checked.
 fn mean_ssim(a: ArrayView2<'_, f32>, b: ArrayView2<'_, f32>) -> f64 {
-    let (a, b) = (a.mapv(f64::from), b.mapv(f64::from));
-    let mean_a = gaussian_mean(&a);
-    let mean_b = gaussian_mean(&b);
-    let square_a = gaussian_mean(&(&a * &a));
-    let square_b = gaussian_mean(&(&b * &b));
-    let product = gaussian_mean(&(&a * &b));
-    let mut sum = 0.0;
+    terms(&a.mapv(f64::from), &b.mapv(f64::from)).ssim
+}
+
+/// Means over all windows of two planes.
+pub(super) struct Terms {
+    /// Luminance, contrast and structure together: SSIM.
+    pub ssim: f64,
+    /// Contrast and structure alone.
+    pub contrast_structure: f64,
+}
+
+/// Measures two planes of one size that hold a window.
+pub(super) fn terms(a: &Array2<f64>, b: &Array2<f64>) -> Terms {
+    let mean_a = gaussian_mean(a);
+    let mean_b = gaussian_mean(b);
+    let square_a = gaussian_mean(&(a * a));
+    let square_b = gaussian_mean(&(b * b));
+    let product = gaussian_mean(&(a * b));
+    let (mut ssim, mut contrast_structure) = (0.0, 0.0);
     ndarray::Zip::from(&mean_a).and(&mean_b).and(&square_a).and(&square_b).and(&product).for_each(
         |&ma, &mb, &saa, &sbb, &sab| {
             let (variance_a, variance_b, covariance) = (saa - ma * ma, sbb - mb * mb, sab - ma * mb);
-            sum += (2.0 * ma * mb + C1) * (2.0 * covariance + C2)
-                / ((ma * ma + mb * mb + C1) * (variance_a + variance_b + C2));
+            let (above, below) = (2.0 * covariance + C2, variance_a + variance_b + C2);
+            ssim += (2.0 * ma * mb + C1) * above / ((ma * ma + mb * mb + C1) * below);
+            contrast_structure += above / below;
         },
     );
-    sum / mean_a.len() as f64
+    let count = mean_a.len() as f64;
+    Terms { ssim: ssim / count, contrast_structure: contrast_structure / count }
 }
 
 /// Weighted mean under SSIM's window, wherever it fits whole.
