@@ -7,6 +7,7 @@
 //! | frames that can be compared | [`comparable`] |
 //! | PSNR alone | [`psnr`](mod@psnr) |
 //! | SSIM alone | [`ssim`](mod@ssim) |
+//! | SSIM over several scales | `ms_ssim` |
 //! | MTF and MTF50 of a slanted edge | [`mtf50`] |
 //! | differences of two methods with their standard errors | [`paired`] |
 //! | numbers of rows that JSON has no form for: infinite PSNR | [`number`] |
@@ -30,6 +31,7 @@ pub mod comparable;
 pub mod cpu_time;
 pub mod memory;
 pub mod metric;
+mod ms_ssim;
 pub mod mtf50;
 pub mod number;
 pub mod paired;

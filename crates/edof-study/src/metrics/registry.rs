@@ -1,10 +1,11 @@
 //! All metrics. A metric that is listed here is in rows, JSON, `edof compare`, tables, reports and Python.
 
 use crate::metrics::metric::Metric;
-use crate::metrics::{psnr, ssim};
+use crate::metrics::{ms_ssim, psnr, ssim};
 
 /// All metrics, in the order in which rows hold them.
-pub const METRICS: &[Metric] = &[psnr::ALL, psnr::CLIPPED, psnr::CHANNELS, psnr::LUMA, ssim::ALL, ssim::LUMA];
+pub const METRICS: &[Metric] =
+    &[psnr::ALL, psnr::CLIPPED, psnr::CHANNELS, psnr::LUMA, ssim::ALL, ssim::LUMA, ms_ssim::ALL];
 
 /// Place of a metric in [`METRICS`].
 #[must_use]
