@@ -22,6 +22,7 @@ from colour_demosaicing import demosaicing_CFA_Bayer_Malvar2004, demosaicing_CFA
 from dictlearn import DictionaryLearning  # noqa: E402
 from ksvd import ApproximateKSVD  # noqa: E402
 from PIL import Image  # noqa: E402
+from skimage.color import deltaE_ciede2000, rgb2lab  # noqa: E402
 from skimage.metrics import peak_signal_noise_ratio, structural_similarity  # noqa: E402
 from sklearn.linear_model import Lasso, orthogonal_mp  # noqa: E402
 
@@ -192,6 +193,10 @@ def metrics(folder):
         scales = np.mean([ms_ssim(a[..., colour], b[..., colour]) for colour in range(3)])
         error = abs(ours["ms_ssim"] - scales)
         check(f"MS-SSIM, {name}", error < 1e-6, f"{scales:.5f}, within {error:.0e}")
+        # Its matrix and white have six and five digits.
+        colour = deltaE_ciede2000(rgb2lab(a), rgb2lab(b)).mean()
+        error = abs(ours["ciede2000"] - colour)
+        check(f"CIEDE2000, {name}", error < 1e-3 * colour, f"{colour:.4f}, within {error:.0e}")
 
 
 def pupil(camera, nm, psi, across):

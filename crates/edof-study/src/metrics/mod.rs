@@ -8,6 +8,7 @@
 //! | PSNR alone | [`psnr`](mod@psnr) |
 //! | SSIM alone | [`ssim`](mod@ssim) |
 //! | SSIM over several scales | `ms_ssim` |
+//! | differences of colour as people see them | `ciede2000` |
 //! | MTF and MTF50 of a slanted edge | [`mtf50`] |
 //! | differences of two methods with their standard errors | [`paired`] |
 //! | numbers of rows that JSON has no form for: infinite PSNR | [`number`] |
@@ -27,6 +28,7 @@
 //! # Ok::<(), edof_study::metrics::MetricError>(())
 //! ```
 
+mod ciede2000;
 pub mod comparable;
 pub mod cpu_time;
 pub mod memory;
