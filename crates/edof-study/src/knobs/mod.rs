@@ -14,6 +14,7 @@ pub use page::{Knobs, Point};
 
 use crate::experiment::Experiment;
 use crate::journal::{Key, Line, Ordered, Proof, settings};
+use crate::key::KeyText;
 use crate::methods::spec::{Case, MethodSpec, PrepareError};
 use crate::metrics::timing::{Range, timed};
 use crate::metrics::{BORDER, MetricError, psnr};
@@ -180,7 +181,7 @@ impl Experiment for Turning<'_> {
             for (place, (knob, value)) in values.enumerate() {
                 let work = (knob.apply)(plan, value);
                 let (how, weights) = match &work {
-                    Work::Capture(shortened) => (format!("{shortened:?}"), None),
+                    Work::Capture(shortened) => (shortened.key_text(), None),
                     Work::Method(spec) => (spec.settings(), spec.weights().map(str::to_owned)),
                 };
                 let sensor = sensor(&photo.name, plan.psi, plan.noise_of(&work));
@@ -196,6 +197,7 @@ impl Experiment for Turning<'_> {
                     weights,
                     photo: photo_sha256.clone(),
                     camera: Some(camera_sha256.clone()),
+                    ..Proof::default()
                 };
                 cells.push((Key { subject, proof }, Turned { photo: number, place, knob, value, work }));
             }

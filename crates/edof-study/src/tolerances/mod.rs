@@ -170,6 +170,7 @@ impl Experiment for Tolerating<'_> {
                             weights: plan.method.weights().map(str::to_owned),
                             photo: hashes[photo].clone(),
                             camera: Some(camera.clone()),
+                            ..Proof::default()
                         };
                         let noise_key = Ordered::of_noise(level);
                         let subject = (kind, Ordered(amount), Ordered(depth), noise_key, of.name.clone());

@@ -169,6 +169,7 @@ impl Plan {
             weights: peer.method.weights().map(str::to_owned),
             photo: photo.1.to_owned(),
             camera: Some(sha256(peer.camera.to_json().as_bytes())),
+            ..Proof::default()
         }
     }
 }
