@@ -1,8 +1,8 @@
 //! Text that the keys of rows are hashes of: every setting by a name that is written here.
 //!
 //! Names of fields and variants in Rust may change, and keys stay. A new field of a setting is an error of the compiler in this file until
-//! it has a place. Version 1 has the form that programs before it took from Rust, so that their rows keep their keys. Whoever
-//! changes the text of a setting raises [`VERSION`]: rows of another version are measured anew.
+//! it has a place. Version 1 has the form that programs before it took from Rust, so that their rows keep their keys. A change of a
+//! setting's text needs a new [`VERSION`]: rows of another version are measured anew.
 
 use crate::methods::settings::{
     DeconvolutionSettings, Depths, FloatSettings, PictureModel, Pursuit, PursuitSettings, UntrainedSettings,
@@ -15,7 +15,7 @@ use edof_core::{CfaPhase, Noise, Stride, Tone, Window};
 use edof_deblur::blind;
 use edof_deblur::hyper_laplacian::Prior;
 use edof_network::float::reconstruct::Output;
-use edof_network::network::{Condition, Form};
+use edof_network::network::{Condition, Form, Recurrence, Shrinkage};
 use edof_optics::capture::Approximation;
 use edof_optics::psf::Settings;
 use edof_optics::sensor::Sensor;
@@ -69,7 +69,51 @@ macro_rules! words {
         }
     )*};
 }
-words!(CfaPhase, Overlap, Tone);
+words!(CfaPhase, Overlap, Tone, Shrinkage, Recurrence);
+
+/// Structures: each field with its name in keys. A field that is missing here is an error of the compiler.
+macro_rules! records {
+    ($($type:ty as $name:literal { $($text:literal = $field:ident),* })*) => {$(
+        impl KeyText for $type {
+            fn key_text(&self) -> String {
+                let Self { $($field),* } = self;
+                record($name, &[$(($text, $field)),*])
+            }
+        }
+    )*};
+}
+records! {
+    Sensor as "Sensor" {
+        "depth" = depth, "phase" = phase, "noise" = noise, "seed" = seed, "black_level" = black_level
+    }
+    Settings as "Settings" {
+        "energy" = energy, "wavelength_tolerance" = wavelength_tolerance, "exact" = exact
+    }
+    Approximation as "Approximation" { "psf" = psf, "depth_tolerance" = depth_tolerance }
+    Prior as "Prior" { "lambda" = lambda, "alpha" = alpha }
+    blind::Settings as "Settings" {
+        "side" = side, "sparsity" = sparsity, "kernel_weight" = kernel_weight, "turns" = turns,
+        "outer" = outer, "inner" = inner, "step" = step, "turn_floor" = turn_floor, "floor" = floor,
+        "min_part" = min_part, "prior" = prior
+    }
+    PictureModel as "PictureModel" {
+        "contrast" = contrast, "unexplained" = unexplained, "middle_light" = middle_light
+    }
+    PursuitSettings as "PursuitSettings" {
+        "pursuit" = pursuit, "depths" = depths, "window" = window, "stride" = stride
+    }
+    FloatSettings as "FloatSettings" {
+        "stride" = stride, "overlap" = overlap, "output" = output, "budget" = budget
+    }
+    UntrainedSettings as "UntrainedSettings" {
+        "layers" = layers, "dc_removed" = dc_removed, "penalty" = penalty, "depths" = depths,
+        "window" = window, "float" = float
+    }
+    Form as "Form" {
+        "window" = window, "codes" = codes, "layers" = layers, "shrinkage" = shrinkage,
+        "recurrence" = recurrence, "linear_path" = linear_path, "tied" = tied
+    }
+}
 
 impl<T: KeyText> KeyText for Option<T> {
     fn key_text(&self) -> String {
@@ -125,90 +169,6 @@ impl KeyText for Noise {
     }
 }
 
-impl KeyText for Sensor {
-    fn key_text(&self) -> String {
-        let Self { depth, phase, noise, seed, black_level } = self;
-        record(
-            "Sensor",
-            &[
-                ("depth", depth),
-                ("phase", phase),
-                ("noise", noise),
-                ("seed", seed),
-                ("black_level", black_level),
-            ],
-        )
-    }
-}
-
-impl KeyText for Settings {
-    fn key_text(&self) -> String {
-        let Self { energy, wavelength_tolerance, exact } = self;
-        record(
-            "Settings",
-            &[("energy", energy), ("wavelength_tolerance", wavelength_tolerance), ("exact", exact)],
-        )
-    }
-}
-
-impl KeyText for Approximation {
-    fn key_text(&self) -> String {
-        let Self { psf, depth_tolerance } = self;
-        record("Approximation", &[("psf", psf), ("depth_tolerance", depth_tolerance)])
-    }
-}
-
-impl KeyText for Prior {
-    fn key_text(&self) -> String {
-        let Self { lambda, alpha } = self;
-        record("Prior", &[("lambda", lambda), ("alpha", alpha)])
-    }
-}
-
-impl KeyText for blind::Settings {
-    fn key_text(&self) -> String {
-        let Self {
-            side,
-            sparsity,
-            kernel_weight,
-            turns,
-            outer,
-            inner,
-            step,
-            turn_floor,
-            floor,
-            min_part,
-            prior,
-        } = self;
-        record(
-            "Settings",
-            &[
-                ("side", side),
-                ("sparsity", sparsity),
-                ("kernel_weight", kernel_weight),
-                ("turns", turns),
-                ("outer", outer),
-                ("inner", inner),
-                ("step", step),
-                ("turn_floor", turn_floor),
-                ("floor", floor),
-                ("min_part", min_part),
-                ("prior", prior),
-            ],
-        )
-    }
-}
-
-impl KeyText for PictureModel {
-    fn key_text(&self) -> String {
-        let Self { contrast, unexplained, middle_light } = self;
-        record(
-            "PictureModel",
-            &[("contrast", contrast), ("unexplained", unexplained), ("middle_light", middle_light)],
-        )
-    }
-}
-
 impl KeyText for DeconvolutionSettings {
     fn key_text(&self) -> String {
         match self {
@@ -239,55 +199,6 @@ impl KeyText for Depths {
             Self::Known => "Known".to_owned(),
             Self::Of(depths) => format!("Of({})", depths.key_text()),
         }
-    }
-}
-
-impl KeyText for PursuitSettings {
-    fn key_text(&self) -> String {
-        let Self { pursuit, depths, window, stride } = self;
-        record(
-            "PursuitSettings",
-            &[("pursuit", pursuit), ("depths", depths), ("window", window), ("stride", stride)],
-        )
-    }
-}
-
-impl KeyText for FloatSettings {
-    fn key_text(&self) -> String {
-        let Self { stride, overlap, output, budget } = self;
-        record(
-            "FloatSettings",
-            &[("stride", stride), ("overlap", overlap), ("output", output), ("budget", budget)],
-        )
-    }
-}
-
-impl KeyText for UntrainedSettings {
-    fn key_text(&self) -> String {
-        let Self { layers, dc_removed, penalty, depths, window, float } = self;
-        record(
-            "UntrainedSettings",
-            &[
-                ("layers", layers),
-                ("dc_removed", dc_removed),
-                ("penalty", penalty),
-                ("depths", depths),
-                ("window", window),
-                ("float", float),
-            ],
-        )
-    }
-}
-
-impl KeyText for Form {
-    fn key_text(&self) -> String {
-        let Self { window, codes, layers, shrinkage, recurrence, linear_path, tied } = self;
-        format!(
-            "Form {{ window: {}, codes: {codes}, layers: {layers}, shrinkage: {}, recurrence: {}, linear_path: {linear_path}, tied: {tied} }}",
-            window.key_text(),
-            word(shrinkage),
-            word(recurrence)
-        )
     }
 }
 

@@ -2,11 +2,12 @@
 //! state the clean revision that measured them; and a page of networks that ship is of the weights that ship.
 
 use edof_core::Stride;
+use edof_core::storage::digest::sha256;
 use edof_io::photos::{CHOICES, HELD_BACK, OF_HELD_BACK};
 use edof_network::weight_file;
 use edof_study::aperture::Aperture;
 use edof_study::aperture::networks::ApertureNetworks;
-use edof_study::journal::{Header, Maker, RowsFile};
+use edof_study::journal::{Header, Journal, Line, Maker, Mixing, RowsFile};
 use edof_study::knobs::Knobs;
 use edof_study::known_blurs::KnownBlurs;
 use edof_study::made::{Made, OLD, machines};
@@ -47,28 +48,39 @@ struct Table {
     rows: Vec<serde_json::Value>,
 }
 
-/// Reads a compact table; nothing of a table of another form.
+/// Reads the compact table of a page; nothing of a table of another form.
 fn table(name: &str) -> Option<Table> {
-    let text = read(&format!("docs/results/{name}.csv"));
-    let mut remarks = text.lines().map_while(|line| line.strip_prefix("# "));
-    let header: Header = serde_json::from_str(remarks.next()?).unwrap();
-    let file = serde_json::from_str(remarks.next().unwrap()).unwrap();
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
-    let names = reader.headers().unwrap().clone();
-    let row = |record: csv::StringRecord| {
-        let mut row = serde_json::Map::new();
-        for (name, cell) in names.iter().zip(&record).filter(|(_, cell)| !cell.is_empty()) {
-            // JSON where it is no plain text.
-            let value = serde_json::from_str(cell).unwrap_or_else(|_| cell.into());
-            match name.split_once('.') {
-                Some((outer, inner)) => row.entry(outer).or_insert_with(|| json!({}))[inner] = value,
-                None => drop(row.insert(name.to_owned(), value)),
+    Table::parsed(&read(&format!("docs/results/{name}.csv")))
+}
+
+impl Table {
+    fn parsed(text: &str) -> Option<Self> {
+        let mut remarks = text.lines().map_while(|line| line.strip_prefix("# "));
+        let header: Header = serde_json::from_str(remarks.next()?).unwrap();
+        let file = serde_json::from_str(remarks.next().unwrap()).unwrap();
+        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
+        let names = reader.headers().unwrap().clone();
+        let row = |record: csv::StringRecord| {
+            let mut row = serde_json::Map::new();
+            for (name, cell) in names.iter().zip(&record).filter(|(_, cell)| !cell.is_empty()) {
+                // JSON where it is no plain text.
+                let value = serde_json::from_str(cell).unwrap_or_else(|_| cell.into());
+                match name.split_once('.') {
+                    Some((outer, inner)) => row.entry(outer).or_insert_with(|| json!({}))[inner] = value,
+                    None => drop(row.insert(name.to_owned(), value)),
+                }
             }
-        }
-        serde_json::Value::Object(row)
-    };
-    let rows = reader.records().map(|record| row(record.unwrap())).collect();
-    Some(Table { maker: header.maker, file, rows })
+            serde_json::Value::Object(row)
+        };
+        let rows = reader.records().map(|record| row(record.unwrap())).collect();
+        Some(Self { maker: header.maker, file, rows })
+    }
+
+    /// The rows of a study, as far as the table holds them.
+    fn rows_of<T: StudyReport>(&self) -> Vec<T::Row> {
+        assert_eq!(self.rows.len(), self.file.rows, "not all rows of the file");
+        self.rows.iter().map(|row| serde_json::from_value(row.clone()).unwrap()).collect()
+    }
 }
 
 /// Revisions that a result file states; none where it states none.
@@ -176,14 +188,41 @@ fn command(name: &str) -> String {
 
 /// A study from its compact table; its page must be the table's.
 fn told<T: StudyReport>(name: &str) -> T {
-    let Table { maker, file, rows } = table(name).unwrap();
-    let row = |row| serde_json::from_value(row).unwrap_or_else(|e| panic!("docs/results/{name}.csv: {e}"));
-    let rows: Vec<T::Row> = rows.into_iter().map(row).collect();
-    assert_eq!(rows.len(), file.rows, "docs/results/{name}.csv: not all rows of the file");
-    let makers = vec![maker];
+    let table = table(name).unwrap();
+    let (rows, makers) = (table.rows_of::<T>(), vec![table.maker]);
     let study = T::new(&rows, machines(&makers)).unwrap();
-    check_page(name, &study, &Made { command: command(name), makers, rows: Some(file) });
+    check_page(name, &study, &Made { command: command(name), makers, rows: Some(table.file) });
     study
+}
+
+/// The page of a file of rows, and that of the table that scripts/table.py makes of the file.
+fn is_the_same_page<T: StudyReport>() {
+    let study = <T::Row as Line>::STUDY;
+    let file = project().join(format!("crates/edof-study/tests/rows/{study}.jsonl"));
+    let program = ["-B".into(), project().join("scripts/table.py"), file.clone()];
+    let made = std::process::Command::new("python3").args(program).output().expect("python3");
+    let table = Table::parsed(&String::from_utf8(made.stdout).unwrap()).unwrap();
+    let rows =
+        Journal::<T::Row>::merged(Path::new("nowhere"), std::slice::from_ref(&file), Mixing::default())
+            .unwrap()
+            .rows();
+    let page = |rows: &[T::Row]| {
+        let made = Made { command: "edof".into(), makers: vec![], rows: None };
+        T::new(rows, "a CPU".into()).unwrap().to_markdown(&made)
+    };
+    assert_eq!(page(&table.rows_of::<T>()), page(&rows), "{study}");
+    assert_eq!(table.file.sha256, sha256(&std::fs::read(file).unwrap()), "{study}");
+}
+
+#[test]
+fn a_table_gives_the_page_of_the_rows_that_it_was_made_from() {
+    is_the_same_page::<Study>();
+    is_the_same_page::<Speed>();
+    is_the_same_page::<Knobs>();
+    is_the_same_page::<KnownBlurs>();
+    is_the_same_page::<Aperture>();
+    is_the_same_page::<ApertureNetworks>();
+    is_the_same_page::<Tolerances>();
 }
 
 #[test]
