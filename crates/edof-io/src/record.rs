@@ -101,13 +101,6 @@ pub fn path_of(raw: &Path) -> PathBuf {
 /// Most bytes of a record.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// Where values lie in a file of that name, as [`crate::raw::save`] writes it.
-#[must_use]
-pub fn alignment_of(raw: &Path) -> Alignment {
-    let ending = raw.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-    if ["png", "tif", "tiff"].contains(&ending.as_str()) { Alignment::Top } else { Alignment::Bottom }
-}
-
 /// Writes the record of a raw frame beside it.
 ///
 /// # Errors
@@ -316,7 +309,7 @@ mod tests {
         let record = RawRecord {
             phase,
             depth: 12,
-            alignment: alignment_of(&path),
+            alignment: raw::writer(&path).unwrap().alignment,
             video: None,
             black_level: Black::from(64),
             white_level: None,

@@ -53,9 +53,7 @@ pub struct Args {
     #[arg(value_name = "SCENE")]
     scene: String,
 
-    /// Raw frame to write: .png or .tif (sensor values at the top of 16 bits), .pgm, or .raw without a header; FILE.json states
-    /// how it was taken
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help = format!("Raw frame to write: {}; FILE.json states how it was taken", raw::written()))]
     out: PathBuf,
 
     /// Camera: a preset (clear, clear-mid, ring-2015, ring-2018, ring-depth-2018, ring-outer) or a JSON file
@@ -187,7 +185,7 @@ struct Captured {
 /// # Errors
 /// A photograph that cannot be read or has an odd side, depths or a sensor that cannot be, a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    raw::check_ending(&args.out)?;
+    let alignment = raw::writer(&args.out)?.alignment;
     let Lens { camera, files } = lens::resolve(&args.camera, args.psf_bank.as_deref())?;
     let camera = args.drawing.before(camera)?;
     let listed = args.listed()?;
@@ -217,7 +215,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let shot = taken.map_err(|e| args.of_scene(&e))?;
     let steps = shot.depths.len() + 1;
     raw::save(&args.out, &shot.raw)?;
-    let record = record_of(&args, &camera, &scene, tone, &shot.raw, ui);
+    let record = record_of(&args, alignment, &camera, &scene, tone, &shot.raw, ui);
     record::save(&args.out, &record)?;
     if let Some(path) = &args.video {
         save_video(path, args.values, &record, &shot.raw)?;
@@ -290,6 +288,7 @@ fn save_video(path: &Path, values: Tone, record: &RawRecord, frame: &RawFrame) -
 /// What the raw frame cannot say of itself.
 fn record_of(
     args: &Args,
+    alignment: Alignment,
     camera: &Camera,
     scene: &Scene,
     tone: Tone,
@@ -300,7 +299,7 @@ fn record_of(
     RawRecord {
         phase: frame.phase(),
         depth: frame.depth(),
-        alignment: record::alignment_of(&args.out),
+        alignment,
         video: None,
         black_level: args.black_level.into(),
         white_level: None,

@@ -1,4 +1,8 @@
 use super::*;
+use crate::packing::{ByteOrder, Packing};
+use crate::picture;
+use crate::samples::Samples;
+use edof_core::CfaPhase;
 use proptest::prelude::*;
 
 fn frame(depth: u32, phase: CfaPhase) -> RawFrame {
@@ -164,7 +168,51 @@ fn text_that_is_no_size_is_rejected() {
 }
 
 #[test]
-fn an_unknown_ending_is_told_the_known_ones() {
+fn every_ending_is_of_one_format_and_what_is_written_is_recognised() {
+    let endings: Vec<&str> = FORMATS.iter().flat_map(|format| format.endings).copied().collect();
+    for ending in &endings {
+        let path = Path::new("x").with_extension(ending.to_uppercase());
+        assert_eq!(FORMATS.iter().filter(|format| format.is_named(&path)).count(), 1, "{ending}");
+    }
+    for format in FORMATS {
+        let Some(write) = &format.write else { continue };
+        let path = Path::new("x").with_extension(format.endings[0]);
+        let bytes = (write.encode)(&frame(12, CfaPhase::Rggb), &path).unwrap();
+        let found = of_content(&bytes).map(|found| found.name);
+        let headerless = matches!(format.read, Read::Headerless(_));
+        assert_eq!(found, (!headerless).then_some(format.name), "{}", format.name);
+    }
+}
+
+#[test]
+fn in_a_container_of_several_formats_the_ending_decides() {
+    let tiff =
+        (writer(Path::new("x.tif")).unwrap().encode)(&frame(12, CfaPhase::Rggb), Path::new("")).unwrap();
+    let format = |name: &str, bytes: &[u8], size: bool| {
+        let size = size.then_some(Size { width: 2, height: 2 });
+        table::recognised(Path::new(name), bytes, &RawOptions { size, ..RawOptions::default() }).name
+    };
+    let named = ["x.tif", "x", "x.png", "x.dng", "x.NEF"].map(|name| format(name, &tiff, true));
+    assert_eq!(named, ["TIFF", "TIFF", "TIFF", "DNG", "camera raw"]);
+    // What no format claims is a camera's where its name states so and no size does.
+    assert_eq!(
+        ["x.dng", "x.raw", "x.png"].map(|name| format(name, b"pixels", false)),
+        ["DNG", "headerless", "headerless"]
+    );
+    assert_eq!(format("x.dng", b"pixels", true), "headerless");
+    assert_eq!(format("x.dng", GREY, false), "PGM");
+}
+
+#[test]
+fn the_help_has_every_ending_that_is_written() {
+    assert_eq!(
+        written(),
+        ".png or .tif (sensor values at the top of 16 bits), .pgm, or .raw without a header"
+    );
+}
+
+#[test]
+fn an_unknown_ending_is_rejected_with_the_known_ones() {
     let error = save(Path::new("x.dng"), &frame(12, CfaPhase::Rggb)).unwrap_err().to_string();
     assert_eq!(error, "x.dng: unknown ending, expected .png, .tif, .tiff, .pgm, .raw or .bin");
 }

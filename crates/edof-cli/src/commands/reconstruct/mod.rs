@@ -24,7 +24,7 @@ use edof_io::camera_raw::CameraRawError;
 use edof_io::dng::Finish;
 use edof_io::levels::{Levels, LevelsError};
 use edof_io::picture::Format;
-use edof_io::raw::{Kind, RawError};
+use edof_io::raw::{RawError, RawFormat};
 use edof_io::read_warnings::{ReadWarning, read_warnings};
 use edof_io::record::{self, RawRecord, RecordError, Stated};
 use edof_io::rendering::Rendering;
@@ -353,7 +353,7 @@ impl Job<'_> {
         let options = record.as_ref().map_or(given, |record| record.options(given));
         let overrides = overrides(args, record.as_ref());
         let opened = raw::open(raw, &options, &overrides).map_err(|e| self.unread(e))?;
-        self.check_options(opened.kind)?;
+        self.check_options(opened.format)?;
         for note in &opened.notes {
             ui.note(format!("{}: {note}", raw.display()));
         }
@@ -363,13 +363,11 @@ impl Job<'_> {
         }
         let name = raw.file_name().unwrap_or_default().to_string_lossy();
         ui.used(Input::raw_frame(&name, &frame));
-        let frame = match opened.kind {
-            // Levels are those of the file already, or the stated ones.
-            Kind::Dng => frame,
-            Kind::Values | Kind::CameraRaw => {
-                let levels = Levels { black: overrides.black.unwrap_or_default(), white: overrides.white };
-                levels.light(&frame).map_err(|e| self.level(&e))?
-            }
+        let frame = if opened.format.states_everything() {
+            frame
+        } else {
+            let levels = Levels { black: overrides.black.unwrap_or_default(), white: overrides.white };
+            levels.light(&frame).map_err(|e| self.level(&e))?
         };
         let rendering = Rendering {
             white_balance: overrides.white_balance.or(opened.rendering.white_balance),
@@ -380,12 +378,10 @@ impl Job<'_> {
     }
 
     /// Rejects options that only files without a description of their values need, beside a camera's file.
-    fn check_options(&self, kind: Kind) -> Result<(), Error> {
-        let what = match kind {
-            Kind::Values => return Ok(()),
-            Kind::Dng => "a DNG",
-            Kind::CameraRaw => "a camera's raw file",
-        };
+    fn check_options(&self, format: &RawFormat) -> Result<(), Error> {
+        if !format.states_everything() {
+            return Ok(());
+        }
         let args = self.args;
         let given = [
             ("--size", args.size.map(|size| format!(" {size}"))),
@@ -397,8 +393,9 @@ impl Job<'_> {
         match given.into_iter().find_map(|(name, value)| Some((name, value?))) {
             None => Ok(()),
             Some((name, value)) => Err(Error::message(format!(
-                "{name}{value}: has no effect on {}, {what}, which states it; leave {name} out",
-                self.raw.display()
+                "{name}{value}: has no effect on {}, {}, which states it; leave {name} out",
+                self.raw.display(),
+                format.noun
             ))),
         }
     }
