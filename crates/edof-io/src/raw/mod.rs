@@ -16,20 +16,17 @@
 //!
 //! So a frame that [`save`] wrote as PNG, TIFF or PGM is read back without any option but its phase.
 
-mod cameras;
 mod error;
 mod format;
-mod headerless;
+mod formats;
 mod options;
-mod pictures;
 mod source;
-mod table;
 
 pub use error::RawError;
 pub use format::{RawFormat, Read, Recognised, Values, Write};
+pub use formats::{FORMATS, of_content, of_ending, writer, written};
 pub use options::{Alignment, RawOptions, Size, WrongSize};
 pub use source::Source;
-pub use table::{FORMATS, of_content, of_ending, writer, written};
 
 use crate::dng::{Dng, Finish, Overrides};
 use crate::packing;
@@ -63,7 +60,7 @@ pub struct Opened {
 /// Any [`RawError`], naming the file.
 pub fn open(path: &Path, options: &RawOptions, overrides: &Overrides) -> Result<Opened, RawError> {
     let source = Source::open(path)?;
-    let format = table::recognised(path, source.head(), options);
+    let format = formats::recognised(path, source.head(), options);
     let values = |values| of_values(values, options, path);
     let Dng { frame, rendering, finish, notes } = match format.read {
         Read::Light(read) => read(source, overrides)?,
@@ -73,7 +70,7 @@ pub fn open(path: &Path, options: &RawOptions, overrides: &Overrides) -> Result<
         }
         Read::Headerless(read) => {
             check_depth(options, path)?;
-            let no_size = || RawError::NoSize { path: path.to_owned(), known: table::names() };
+            let no_size = || RawError::NoSize { path: path.to_owned(), known: formats::names() };
             values(read(source, options.size.ok_or_else(no_size)?, options)?)?
         }
     };

@@ -190,7 +190,7 @@ fn in_a_container_of_several_formats_the_ending_decides() {
         (writer(Path::new("x.tif")).unwrap().encode)(&frame(12, CfaPhase::Rggb), Path::new("")).unwrap();
     let format = |name: &str, bytes: &[u8], size: bool| {
         let size = size.then_some(Size { width: 2, height: 2 });
-        table::recognised(Path::new(name), bytes, &RawOptions { size, ..RawOptions::default() }).name
+        formats::recognised(Path::new(name), bytes, &RawOptions { size, ..RawOptions::default() }).name
     };
     let named = ["x.tif", "x", "x.png", "x.dng", "x.NEF"].map(|name| format(name, &tiff, true));
     assert_eq!(named, ["TIFF", "TIFF", "TIFF", "DNG", "camera raw"]);

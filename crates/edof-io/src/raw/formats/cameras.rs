@@ -1,9 +1,9 @@
 //! Files of cameras, which state everything: DNG, and makers' own formats.
 
-use super::format::{RawFormat, Read, Recognised};
 use crate::camera_raw::{self, CameraRawError};
 use crate::dng::{self, Dng, Finish};
 use crate::levels::{Levels, LevelsError};
+use crate::raw::format::{RawFormat, Read, Recognised};
 use crate::rendering::Rendering;
 use std::path::Path;
 

@@ -1,10 +1,10 @@
 //! Raw frames in grey pictures: PNG and TIFF, whose full scale is that of 8 or 16 bits, and PGM, which states its own.
 
-use super::error::RawError;
-use super::format::{RawFormat, Read, Recognised, Values, Write};
-use super::options::{Alignment, RawOptions, Size};
-use super::source::Source;
 use crate::picture::{self, Format, PictureError};
+use crate::raw::error::RawError;
+use crate::raw::format::{RawFormat, Read, Recognised, Values, Write};
+use crate::raw::options::{Alignment, RawOptions, Size};
+use crate::raw::source::Source;
 use crate::samples::Samples;
 use ndarray::{Array2, Axis};
 use std::path::Path;

@@ -1,10 +1,10 @@
 //! Headerless raw files: words, bytes or packed pixels, as [`crate::packing`] has them.
 
-use super::error::RawError;
-use super::format::{RawFormat, Read, Recognised, Values, Write};
-use super::options::{Alignment, RawOptions, Size};
-use super::source::Source;
 use crate::packing::{Packing, Stray};
+use crate::raw::error::RawError;
+use crate::raw::format::{RawFormat, Read, Recognised, Values, Write};
+use crate::raw::options::{Alignment, RawOptions, Size};
+use crate::raw::source::Source;
 use ndarray::Array2;
 use std::path::Path;
 

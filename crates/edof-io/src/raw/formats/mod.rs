@@ -1,13 +1,17 @@
 //! The table of raw formats. A format that is added here is read, written, and named in messages and in the help of the program.
 
-use super::cameras::{CAMERA_RAW, DNG};
+mod cameras;
+mod headerless;
+mod pictures;
+
 use super::format::{RawFormat, Read, Recognised, Write};
-use super::headerless::HEADERLESS;
 use super::options::RawOptions;
-use super::pictures::{PGM, PNG, TIFF};
 use crate::packing::Packing;
 use crate::picture::{Format, PictureError};
+use cameras::{CAMERA_RAW, DNG};
 use edof_core::words::alternatives;
+use headerless::HEADERLESS;
+use pictures::{PGM, PNG, TIFF};
 use std::path::Path;
 
 /// All formats, in the order in which messages name them. Of a container the first has the files whose ending decides nothing.
