@@ -270,7 +270,7 @@ pub const OPTIONS: &[Row] = &[
     (
         "reconstruct f01.json --weights net.fixed.safetensors --out o.png",
         "",
-        &["f01.json: not a PNG, TIFF or PGM file", "--size 1920x1080"],
+        &["f01.json: not a PNG, TIFF, PGM or NPY file", "--size 1920x1080"],
     ),
     ("quantize net.safetensors --out o", "--headroom 0", &["--headroom 0: must be 1 or more"]),
     ("quantize net.safetensors --out o", "--bits 7", &["--bits 7: "]),

@@ -18,8 +18,8 @@ use std::path::PathBuf;
 
 /// Reconstruct a sharp picture from a raw Bayer frame, or one from each of several
 ///
-/// RAW is a 16-bit grey PNG, TIFF or PGM (values of fewer bits at the top of each word, or according to a PGM's maximum), or a
-/// headerless file with --size. RAW.json, which 'edof capture' writes, states how the frame was taken; options that
+/// RAW is a 16-bit grey PNG, TIFF or PGM (values of fewer bits at the top of each word, or according to a PGM's maximum), NumPy's array of
+/// sensor values (NPY), or a headerless file with --size. RAW.json, which 'edof capture' writes, states how the frame was taken; options that
 /// contradict it are rejected. RAW may also be a camera's DNG (a Bayer mosaic, uncompressed or as lossless JPEG): its levels, defects, lens
 /// corrections, white balance, colours, crop and orientation are applied, and options take the place of its tags (docs/dng.md). With the
 /// optional feature camera-raw RAW may be a file of another maker. The network runs in the
