@@ -8,7 +8,6 @@
 //! | no output replaces an input or another output | [`files`] |
 //! | Ctrl-C | [`interrupt`] |
 //! | as many threads as the system lets start | [`threads`] |
-//! | whether a job fits the machine | [`memory`] |
 //! | photographs, of even sides | [`pictures`] |
 //! | what is written about a run into its results | [`provenance`] |
 //! | what a network runs on | [`device`] |
@@ -25,7 +24,6 @@
 mod commands;
 mod cosim_system;
 mod demo_board;
-mod depth_map;
 mod device;
 mod effects;
 mod error;
@@ -34,14 +32,12 @@ mod files;
 mod help;
 mod interrupt;
 mod kind;
-mod memory;
 mod npz;
 #[cfg(test)]
 mod pages;
 mod pictures;
 mod provenance;
 mod said;
-mod scene_file;
 mod threads;
 mod ui;
 mod usage;
