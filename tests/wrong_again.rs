@@ -123,7 +123,7 @@ const ROWS: &[Row] = &[
     ("reconstruct raw.png raw.png --out o.png", &["--out o.png: 2 frames need a folder"]),
     ("reconstruct raw.png --white-level 0 --out o.png", &["--white-level 0: must be more than 0"]),
     (
-        "capture photo.png --depth-map raw.png --range 8:0 --layers 100000 --out o.png",
+        "capture photo.png --depth-map raw.png --range 8:0 --layers 64 --out o.png",
         &["raw.png: 48x32, expected 288x256"],
     ),
     (

@@ -10,21 +10,18 @@
 //! | as many threads as the system lets start | [`threads`] |
 //! | photographs, of even sides | [`pictures`] |
 //! | what is written about a run into its results | [`provenance`] |
-//! | what a network runs on | [`device`] |
 //! | the whole core in simulation, and the demo's board | [`cosim_system`], [`demo_board`] |
 //! | errors that name the option and the file | [`said`] |
 //! | what is wrong with options, in plain words | [`usage`] |
 //! | options that have an effect only beside others | [`effects`] |
 //! | screens of help: examples first, options in groups | [`help`] |
 //! | windows to feed the hardware with | [`windows`] |
-//! | arrays for NumPy, and words at stage boundaries | [`npz`], [`words`] |
 //!
 //! Exit status: 0 done, 1 rejected or failed (one line, `edof: …`; with `--progress json` an object), 2 wrong usage, 130 stopped by Ctrl-C.
 
 mod commands;
 mod cosim_system;
 mod demo_board;
-mod device;
 mod effects;
 mod error;
 mod error_bounds;
@@ -32,7 +29,6 @@ mod files;
 mod help;
 mod interrupt;
 mod kind;
-mod npz;
 #[cfg(test)]
 mod pages;
 mod pictures;
@@ -42,7 +38,6 @@ mod threads;
 mod ui;
 mod usage;
 mod windows;
-mod words;
 
 use clap::{ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
 use edof::presets::{designs, lens, weights};

@@ -2,9 +2,10 @@
 
 use crate::error::Error;
 use crate::ui::Ui;
-use edof::job::Note;
+use edof::job::PictureNote;
 use edof::job::photograph;
 pub use edof::job::photograph::{Tones, whole_cells};
+use edof_core::words::count;
 use edof_core::{ColourFrame, Tone};
 use std::path::Path;
 
@@ -16,12 +17,32 @@ pub fn load(path: &Path, tones: Tones, ui: &Ui) -> Result<(ColourFrame, Tone), E
     Ok(photograph::load(path, tones, &|note| ui.note(in_words(&note)))?)
 }
 
-/// A remark, by the option that it is about.
-pub fn in_words(note: &Note) -> String {
+/// A remark on a picture, by the option that it is about.
+pub fn in_words(note: &PictureNote) -> String {
     match note {
-        Note::ToneOverridden { path, given, stated } => {
+        PictureNote::ToneOverridden { path, given, stated } => {
             format!("--tone {given}: taken, though {} states {stated}", path.display())
         }
-        note => note.to_string(),
+        PictureNote::Linear { path, stated } => {
+            format!("{}: states {stated}; its values are taken as linear", path.display())
+        }
+        PictureNote::CurveNotApplied { path, stated, tone } => format!(
+            "{}: states {stated}, which is not applied; its values are taken as {tone}",
+            path.display()
+        ),
+        PictureNote::Cropped { path, from, to } => {
+            format!("{}: {from} cropped to {to}, whole Bayer cells", path.display())
+        }
+        PictureNote::Holes { path, pixels } => {
+            let pixels = count(*pixels, "pixel");
+            format!(
+                "{}: {pixels} without a reading (0 or 65535), filled with the nearest one",
+                path.display()
+            )
+        }
+        PictureNote::OutsideOfLimits { path, pixels, limits } => {
+            let (path, outside) = (path.display(), count(*pixels, "pixel"));
+            format!("{path}: {outside} outside of --range {limits}, taken to be at its ends")
+        }
     }
 }

@@ -8,7 +8,7 @@ use crate::pictures;
 use crate::said;
 use crate::ui::Ui;
 use edof::job::{
-    CaptureJob, CaptureOutputs, Captured, DepthMap, JobError, ListedScene, Meaning, Note, Scale, SceneSource,
+    CaptureJob, CaptureOutputs, Captured, DepthMap, JobError, ListedScene, Meaning, Scale, SceneSource,
 };
 use edof_core::camera::Camera;
 use edof_core::frame::FrameError;
@@ -178,7 +178,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         progress.message(next);
         progress.of(done as u64, of as u64);
     };
-    let captured = job.run(&|note| ui.note(args.in_words(&note)), step).map_err(|e| args.failed(e))?;
+    let captured = job.run(&|note| ui.note(pictures::in_words(&note)), step).map_err(|e| args.failed(e))?;
     progress.finish();
     captured.inputs.iter().for_each(|input| ui.used(input.clone()));
     tell(&captured, &job.camera, ui)?;
@@ -277,9 +277,10 @@ impl Args {
         let of_range = |e| Error::message(format!("--range {e}"));
         match (self.map_unit, self.range) {
             // Without a nominal distance no distance is known; the map's own are named then.
-            (Some(unit), range) => {
-                let limits = range.filter(|_| camera.nominal_m.is_some()).map(|range| range.psi(camera));
-                Ok(Meaning::Steps { unit, limits: limits.transpose().map_err(of_range)? })
+            (Some(unit), limits) => {
+                let known = limits.filter(|_| camera.nominal_m.is_some());
+                known.map_or(Ok([0.0; 2]), |range| range.psi(camera)).map_err(of_range)?;
+                Ok(Meaning::Steps { unit, limits })
             }
             (None, Some(range)) => {
                 let [near, far] = range.ends(camera).map_err(of_range)?;
@@ -325,17 +326,6 @@ impl Args {
                 Error::message(format!("{size} in --layers {layers}: {source}"))
             }
             error => self.drawing.failed(error),
-        }
-    }
-
-    /// A remark of the job, by the option that it is about.
-    fn in_words(&self, note: &Note) -> String {
-        match (note, self.range) {
-            (Note::OutsideOfLimits { path, pixels }, Some(range)) => {
-                let (path, outside) = (path.display(), count(*pixels, "pixel"));
-                format!("{path}: {outside} outside of --range {range}, taken to be at its ends")
-            }
-            (note, _) => pictures::in_words(note),
         }
     }
 

@@ -4,7 +4,8 @@ use super::depth_map::DepthMap;
 use super::error::JobError;
 use super::listed::{ListedScene, bytes_a_pixel, check_size};
 use super::memory;
-use super::photograph::{self, Note, Tones, whole_cells};
+use super::note::PictureNote;
+use super::photograph::{self, Tones, whole_cells};
 use edof_core::camera::Camera;
 use edof_core::storage::provenance::{Input, Provenance};
 use edof_core::{ColourFrame, Noise, RawFrame, Tone, cable};
@@ -48,7 +49,7 @@ use std::path::{Path, PathBuf};
 ///     outputs: CaptureOutputs::raw(raw.clone()),
 ///     provenance: Provenance::default(),
 /// };
-/// let captured = job.run(&|note| println!("{note}"), |_, _, _| ())?;
+/// let captured = job.run(&|note| println!("{note:?}"), |_, _, _| ())?;
 /// assert_eq!((captured.width, captured.depths.len()), (96, 1));
 /// assert!(raw.exists() && edof::io::record::load(&raw)?.record().is_some());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -182,7 +183,7 @@ impl CaptureJob {
     /// A scene that cannot be read or taken, a file that cannot be written.
     pub fn run(
         &self,
-        note: &(dyn Fn(Note) + Sync),
+        note: &(dyn Fn(PictureNote) + Sync),
         mut progress: impl FnMut(usize, usize, &str),
     ) -> Result<Captured, JobError> {
         let alignment = raw::writer(&self.outputs.raw).map_err(raw::RawError::from)?.alignment;
@@ -218,7 +219,7 @@ impl CaptureJob {
     }
 
     /// Returns the scene, the tone of its pictures, and what was read.
-    fn open(&self, note: &(dyn Fn(Note) + Sync)) -> Result<(Scene, Tone, Vec<Input>), JobError> {
+    fn open(&self, note: &(dyn Fn(PictureNote) + Sync)) -> Result<(Scene, Tone, Vec<Input>), JobError> {
         let tones = Tones { given: self.tone, usual: Tone::Srgb };
         match &self.scene {
             SceneSource::Synthetic(scene) => Ok((scene.draw()?, self.tone.unwrap_or(Tone::Srgb), vec![])),
@@ -239,7 +240,7 @@ impl CaptureJob {
         path: &Path,
         map: &DepthMap,
         count: usize,
-        note: &(dyn Fn(Note) + Sync),
+        note: &(dyn Fn(PictureNote) + Sync),
     ) -> Result<(Scene, Tone, Vec<Input>), JobError> {
         let depths = map.read()?;
         let size = photo::load(path)?.size();

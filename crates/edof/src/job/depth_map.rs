@@ -1,7 +1,7 @@
 //! Depth maps beside a photograph: shares of a range of depths, or distances.
 
 use super::error::JobError;
-use super::photograph::Note;
+use super::note::PictureNote;
 use crate::presets::lens::{Depth, DepthRange};
 use edof_core::camera::Camera;
 use edof_io::photo;
@@ -28,8 +28,8 @@ pub enum Meaning {
     Steps {
         /// Length of a step.
         unit: Unit,
-        /// Lowest and highest ψ: nearer and farther pixels are taken to be there.
-        limits: Option<[f64; 2]>,
+        /// Limits: nearer and farther pixels are taken to be there.
+        limits: Option<DepthRange>,
     },
 }
 
@@ -55,7 +55,7 @@ pub enum Scale {
 /// A depth map that has been read.
 pub(super) enum Read {
     Shares(Array2<f32>, Scale),
-    Steps(Array2<u16>, Unit, Option<[f64; 2]>),
+    Steps(Array2<u16>, Unit, Option<DepthRange>),
 }
 
 impl DepthMap {
@@ -88,7 +88,7 @@ impl Read {
         self,
         file: &Path,
         camera: &Camera,
-        note: &dyn Fn(Note),
+        note: &dyn Fn(PictureNote),
     ) -> Result<Array2<f32>, JobError> {
         let nominal = camera.nominal_m.unwrap_or(f64::INFINITY);
         Ok(match self {
@@ -106,10 +106,10 @@ impl Read {
 fn distances(
     map: Array2<u16>,
     unit: Unit,
-    limits: Option<[f64; 2]>,
+    limits: Option<DepthRange>,
     file: &Path,
     camera: &Camera,
-    note: &dyn Fn(Note),
+    note: &dyn Fn(PictureNote),
 ) -> Result<Array2<f32>, JobError> {
     let none = "has no reading: each value is 0 or 65535, expected distances";
     let Filled { map, holes } = fill(map).ok_or_else(|| JobError::in_file(file, none))?;
@@ -118,16 +118,14 @@ fn distances(
     let in_file = |e| JobError::in_file(file, e);
     near.psi(camera).map_err(in_file)?;
     let psi = map.mapv(|value| Depth::Metres(unit.metres(value)).psi(camera).unwrap_or(f64::NAN));
-    let [low, high] = match limits {
-        Some(limits) => limits,
-        None => DepthRange { near, far }.psi(camera).map_err(in_file)?,
-    };
+    let limits = limits.unwrap_or(DepthRange { near, far });
+    let [low, high] = limits.psi(camera).map_err(in_file)?;
     if holes > 0 {
-        note(Note::Holes { path: file.to_owned(), pixels: holes });
+        note(PictureNote::Holes { path: file.to_owned(), pixels: holes });
     }
     let outside = psi.iter().filter(|psi| !(low..=high).contains(*psi)).count();
     if outside > 0 {
-        note(Note::OutsideOfLimits { path: file.to_owned(), pixels: outside });
+        note(PictureNote::OutsideOfLimits { path: file.to_owned(), pixels: outside, limits });
     }
     Ok(psi.mapv(|psi| psi.clamp(low, high) as f32))
 }

@@ -2,7 +2,8 @@
 
 use super::error::JobError;
 use super::memory;
-use super::photograph::{self, Note, Tones, whole_cells};
+use super::note::PictureNote;
+use super::photograph::{self, Tones, whole_cells};
 use crate::presets::lens::Depth;
 use edof_core::camera::Camera;
 use edof_core::storage::provenance::Input;
@@ -61,7 +62,7 @@ impl ListedScene {
         &self,
         given: Option<Tone>,
         camera: &Camera,
-        note: &(dyn Fn(Note) + Sync),
+        note: &(dyn Fn(PictureNote) + Sync),
     ) -> Result<(Scene, Tone, Vec<Input>), JobError> {
         let name = self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let read = |(index, layer): (usize, &LayerFile)| {
@@ -88,7 +89,7 @@ impl ListedScene {
         index: usize,
         layer: &LayerFile,
         given: Option<Tone>,
-        note: &dyn Fn(Note),
+        note: &dyn Fn(PictureNote),
     ) -> Result<(Layer, Tone, Vec<Input>), JobError> {
         let file = self.beside(&layer.picture);
         if layer.picture.as_os_str().is_empty() {

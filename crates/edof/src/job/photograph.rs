@@ -1,34 +1,11 @@
 //! Photographs ready for a sensor: whole Bayer cells, and the tone of their values.
 
+use super::note::PictureNote;
 use edof_core::{ColourFrame, Tone};
 use edof_io::photo::{self, PhotoError, Photograph};
 use edof_io::raw::Size;
 use edof_io::transfer::Transfer;
-use std::path::{Path, PathBuf};
-
-/// Remark on a picture that a job reads.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[allow(missing_docs, reason = "the texts name the fields")]
-pub enum Note {
-    /// The tone that was asked for contradicts the file.
-    #[error("{path}: read as {given}, though it states {stated}", path = path.display())]
-    ToneOverridden { path: PathBuf, given: Tone, stated: Transfer },
-    /// The file states linear light.
-    #[error("{path}: states {stated}; its values are taken as linear", path = path.display())]
-    Linear { path: PathBuf, stated: Transfer },
-    /// The file states a curve that is neither of the known tones.
-    #[error("{path}: states {stated}, which is not applied; its values are taken as {tone}", path = path.display())]
-    NotApplied { path: PathBuf, stated: Transfer, tone: Tone },
-    /// An odd last row or column is left out.
-    #[error("{path}: {from} cropped to {to}, whole Bayer cells", path = path.display())]
-    Cropped { path: PathBuf, from: Size, to: Size },
-    /// Pixels of a depth map have no reading.
-    #[error("{path}: {} without a reading (0 or 65535), filled with the nearest one", edof_core::words::count(*pixels, "pixel"), path = path.display())]
-    Holes { path: PathBuf, pixels: usize },
-    /// Pixels of a depth map are nearer or farther than its limits.
-    #[error("{path}: {} outside of the limits, taken to be at their ends", edof_core::words::count(*pixels, "pixel"), path = path.display())]
-    OutsideOfLimits { path: PathBuf, pixels: usize },
-}
+use std::path::Path;
 
 /// Tone of a photograph: the one asked for, else the one that its file states, else the usual one.
 #[derive(Debug, Clone, Copy)]
@@ -41,24 +18,24 @@ pub struct Tones {
 
 impl Tones {
     /// Returns the tone of a file's values. A note states what decided where the file states other than what is taken.
-    pub fn of(self, path: &Path, stated: Option<&Transfer>, note: &dyn Fn(Note)) -> Tone {
+    pub fn of(self, path: &Path, stated: Option<&Transfer>, note: &dyn Fn(PictureNote)) -> Tone {
         let Some(stated) = stated else { return self.given.unwrap_or(self.usual) };
         let (path, stated) = (path.to_owned(), stated.clone());
         match (self.given, stated.tone()) {
             (Some(given), Some(tone)) if given != tone => {
-                note(Note::ToneOverridden { path, given, stated });
+                note(PictureNote::ToneOverridden { path, given, stated });
                 given
             }
             (Some(given), Some(_)) => given,
             // In the paper's convention even sRGB codes are taken for light.
             (None, Some(Tone::Linear)) if self.usual != Tone::Linear => {
-                note(Note::Linear { path, stated });
+                note(PictureNote::Linear { path, stated });
                 Tone::Linear
             }
             (None, Some(_)) => self.usual,
             (given, None) => {
                 let tone = given.unwrap_or(self.usual);
-                note(Note::NotApplied { path, stated, tone });
+                note(PictureNote::CurveNotApplied { path, stated, tone });
                 tone
             }
         }
@@ -69,14 +46,18 @@ impl Tones {
 ///
 /// # Errors
 /// A file that is not a photograph.
-pub fn load(path: &Path, tones: Tones, note: &dyn Fn(Note)) -> Result<(ColourFrame, Tone), PhotoError> {
+pub fn load(
+    path: &Path,
+    tones: Tones,
+    note: &dyn Fn(PictureNote),
+) -> Result<(ColourFrame, Tone), PhotoError> {
     let Photograph { frame, transfer } = photo::open(path)?;
     let tone = tones.of(path, transfer.as_ref(), note);
     let [from, to] = [frame.size(), whole_cells(frame.size())].map(|(height, width)| Size { width, height });
     if from == to {
         return Ok((frame, tone));
     }
-    note(Note::Cropped { path: path.to_owned(), from, to });
+    note(PictureNote::Cropped { path: path.to_owned(), from, to });
     Ok((frame.crop(0, 0, to.height, to.width), tone))
 }
 
