@@ -1,6 +1,6 @@
 //! What a network runs on: the processor, or a device behind OpenCL.
 
-use crate::error::Error;
+use super::JobError;
 use edof_gpu::Device as Gpu;
 use std::fmt;
 use std::str::FromStr;
@@ -25,15 +25,15 @@ impl Device {
         }
     }
 
-    /// Opens the device; none for the processor.
+    /// Opens the device; `None` stands for the processor.
     ///
     /// # Errors
-    /// Where there is no such device.
-    pub fn open(self) -> Result<Option<Gpu>, Error> {
+    /// [`JobError::Device`].
+    pub fn open(self) -> Result<Option<Gpu>, JobError> {
         match self {
             Self::Cpu => Ok(None),
             Self::Gpu(wanted) => {
-                Gpu::open(wanted).map(Some).map_err(|e| Error::message(format!("--device {self}: {e}")))
+                Gpu::open(wanted).map(Some).map_err(|source| JobError::Device { device: self, source })
             }
         }
     }
