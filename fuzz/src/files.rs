@@ -1,7 +1,7 @@
 //! Parsers of files.
 
 use edof_core::camera::Camera;
-use edof_core::camera::psf_bank::Kernels;
+use edof_core::camera::Kernels;
 use edof_device::Design;
 use edof_device::design::memory::{self, Set, Space};
 use edof_golden::cycle::estimate::estimate;

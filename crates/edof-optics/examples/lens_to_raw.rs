@@ -11,7 +11,8 @@ use edof_optics::sensor::Sensor;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut camera = Camera::resolve("clear-mid")?;
     let delay = Delay::Phase { rad: 5.0, at_nm: 455.0 };
-    (camera.name, camera.rings) = ("mine".into(), vec![Ring { inner: 0.6, outer: 0.9, delay }]);
+    (camera.name, camera.mask) =
+        ("mine".into(), [Ring { inner: 0.6, outer: 0.9, delay }].into_iter().collect());
     camera.check()?;
 
     for psi in [0.0, 4.0, 8.0] {

@@ -37,7 +37,7 @@ pub fn psi_metres(camera: &Camera) -> f64 {
 /// `psi` away from its focus.
 #[must_use]
 pub fn geometric_blur_um(camera: &Camera, psi: f64) -> f64 {
-    let wave_um = camera.reference_wavelength_nm * 1e-3 * camera.f_number();
+    let wave_um = camera.wave_um(camera.reference_wavelength_nm);
     4.0 / std::f64::consts::PI * (psi - camera.focus_psi).abs() * wave_um
 }
 

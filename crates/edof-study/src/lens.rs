@@ -27,7 +27,7 @@ const SCALE: usize = 5;
 #[must_use]
 pub fn without_mask(camera: &Camera) -> Camera {
     let name = format!("{} without mask", camera.name);
-    Camera { name, rings: vec![], profile: None, height_map: None, psf_bank: None, ..camera.clone() }
+    Camera { name, ..camera.without_mask() }
 }
 
 /// Figure 1(a): green's response over spatial frequency, as a share of the cut-off, at each ψ; negative where contrast is
@@ -70,8 +70,7 @@ pub fn contrast_plot(camera: &Camera) -> Result<Plot, NoPsf> {
         Ok(CHANNELS.into_iter().enumerate().map(curve).collect())
     };
     let mut series = curves(camera, Mark::Line, "")?;
-    let smooth = camera.profile.is_some() || camera.height_map.is_some();
-    if !camera.rings.is_empty() || smooth || camera.psf_bank.is_some() {
+    if !camera.is_clear() || camera.psf_bank.is_some() {
         series.extend(curves(&without_mask(camera), Mark::Dotted, ", no mask")?);
     }
     Ok(Plot {

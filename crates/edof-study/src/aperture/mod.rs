@@ -58,6 +58,13 @@ pub enum Lens {
     Clear,
 }
 
+impl Lens {
+    /// Returns the lens of a coded camera.
+    fn of(self, coded: &Camera) -> Camera {
+        if self == Self::Coded { coded.clone() } else { coded.without_mask() }
+    }
+}
+
 /// What the estimator reaches behind one lens at one aperture, range of depths and light.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
@@ -216,10 +223,8 @@ impl Plan {
 
     /// A lens of the comparison, closed by some stops.
     fn closed(&self, lens: Lens, stops: f64) -> Camera {
-        let rings = if lens == Lens::Coded { self.coded.rings.clone() } else { vec![] };
-        let profile = self.coded.profile.clone().filter(|_| lens == Lens::Coded);
         let aperture_radius_mm = self.coded.aperture_radius_mm * (-0.5 * stops).exp2();
-        Camera { rings, profile, aperture_radius_mm, ..self.coded.clone() }
+        Camera { aperture_radius_mm, ..lens.of(&self.coded) }
     }
 
     /// Standard deviation of photon and read noise at mean light, full scale 1: the gain is raised until white fills the scale again.
