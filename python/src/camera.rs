@@ -3,10 +3,9 @@
 use crate::arguments::{array, finite, name, number, owned};
 use crate::error::{OrRaise, failed};
 use edof::presets::lens;
-use edof_core::camera::Camera;
-use edof_core::camera::{Aberration, HeightMap, Kernels, PRESETS, PsfBank, Term, Zernike};
+use edof_core::camera::{Aberration, Camera, HeightMap, Kernels, PRESETS, PsfBank, Term, Zernike};
 use edof_core::storage::json;
-use edof_optics::depth::{distance_m, psi_at};
+use edof_optics::{distance_m, psi_at};
 use ndarray::{Ix1, Ix2, Ix4};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};

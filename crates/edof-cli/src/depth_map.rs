@@ -7,8 +7,8 @@ use crate::ui::Ui;
 use edof_core::camera::Camera;
 use edof_core::words::count;
 use edof_io::photo;
-use edof_optics::depth::psi_at;
 use edof_optics::depth_map::{Filled, Unit, fill};
+use edof_optics::psi_at;
 use ndarray::Array2;
 use std::path::Path;
 

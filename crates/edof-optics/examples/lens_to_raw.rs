@@ -3,10 +3,10 @@
 use edof_core::Noise;
 use edof_core::camera::Camera;
 use edof_core::camera::{Delay, Ring};
+use edof_optics::Sensor;
 use edof_optics::capture::{Approximation, capture};
 use edof_optics::draw::{Builtin, draw, four_depths};
 use edof_optics::psf::{Settings, channel_psfs};
-use edof_optics::sensor::Sensor;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut camera = Camera::resolve("clear-mid")?;

@@ -8,7 +8,7 @@ use edof_core::camera::Camera;
 /// ψ (radians) of an object at `object_m` metres when ψ = 0 lies at `nominal_m` metres; either may be infinite.
 ///
 /// ```
-/// use edof_optics::depth::{distance_m, psi_at};
+/// use edof_optics::{distance_m, psi_at};
 /// let camera = edof_core::camera::Camera::resolve("ring-2018")?;
 /// let psi = psi_at(&camera, 1.5, 3.0);
 /// assert!((distance_m(&camera, psi, 3.0).unwrap() - 1.5).abs() < 1e-9);

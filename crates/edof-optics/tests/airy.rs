@@ -2,8 +2,8 @@
 
 use edof_core::Channel;
 use edof_core::camera::{Camera, Sign, Spectrum};
-use edof_optics::mtf::{Footprint, otf};
 use edof_optics::psf::{Settings, channel_psfs, otf_along_row, psf, quarter_otf, quarter_psf};
+use edof_optics::{Footprint, otf};
 
 #[test]
 fn a_clear_pupil_in_focus_has_the_known_mtf() {

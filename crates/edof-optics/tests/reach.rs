@@ -3,8 +3,8 @@
 use edof_core::Channel;
 use edof_core::camera::Camera;
 use edof_core::camera::{Aberration, Profile, Zernike};
-use edof_optics::mtf::{Footprint, otf, sampled_otf};
 use edof_optics::psf::{Psf, PsfError, Settings, psf, quarter_psf};
+use edof_optics::{Footprint, otf, sampled_otf};
 use ndarray::{Array2, arr2};
 
 fn clear() -> Camera {

@@ -5,9 +5,9 @@ use crate::report::plot::{Axis, Mark, Plot, Series, USUAL, sequential};
 use edof_core::camera::Camera;
 use edof_core::{Channel, ColourFrame, Tone};
 use edof_optics::bank;
-use edof_optics::depth::distance_m;
-use edof_optics::mtf::{Footprint, green_cutoff_per_mm, otf, through_focus};
+use edof_optics::distance_m;
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
+use edof_optics::{Footprint, green_cutoff_per_mm, otf, through_focus};
 use ndarray::Array2;
 
 /// Points of a curve.

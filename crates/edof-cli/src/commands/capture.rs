@@ -18,16 +18,16 @@ use edof_io::levels::{Black, Levels};
 use edof_io::raw::{Alignment, Size};
 use edof_io::record::{self, RawRecord};
 use edof_io::{photo, raw};
+use edof_optics::Scene;
 use edof_optics::capture::{
     Approximation, ApproximationCost, Capture, CaptureError, Kernel, capture_told, measure_approximation_told,
 };
-use edof_optics::depth::distance_m;
 use edof_optics::depth_map::Unit;
+use edof_optics::distance_m;
 use edof_optics::draw::parse_name;
 use edof_optics::layers;
 use edof_optics::psf::Settings;
-use edof_optics::scene::Scene;
-use edof_optics::sensor::{Sensor, SensorError};
+use edof_optics::{Sensor, SensorError};
 use ndarray::{Axis, s};
 use serde::Serialize;
 use std::path::{Path, PathBuf};

@@ -18,8 +18,8 @@ use edof_core::camera::Camera;
 use edof_core::geometry::Window;
 use edof_core::noise::{Noise, SensorNoise};
 use edof_core::storage::digest::sha256;
+use edof_optics::Statistics;
 use edof_optics::estimator::{JudgeError, Task, Verdict, judge};
-use edof_optics::statistics::Statistics;
 use serde::{Deserialize, Serialize};
 
 /// Depths at which a range of ψ is sampled.

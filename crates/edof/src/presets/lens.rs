@@ -7,8 +7,8 @@ use edof_core::camera::PsfBank;
 use edof_core::words::number;
 use edof_io::photo;
 use edof_optics::bank;
-use edof_optics::depth::psi_at;
 use edof_optics::psf::{self, NoPsf};
+use edof_optics::psi_at;
 use std::fmt;
 use std::path::{Path, PathBuf};
 

@@ -8,7 +8,7 @@ use crate::said;
 use crate::ui::Ui;
 use edof_core::camera::Camera;
 use edof_core::words::number;
-use edof_optics::statistics::Statistics;
+use edof_optics::Statistics;
 use edof_study::aperture::{Aperture, Comparing, Plan};
 use std::path::PathBuf;
 
