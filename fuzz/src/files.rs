@@ -1,7 +1,7 @@
 //! Parsers of files.
 
 use edof_core::camera::Camera;
-use edof_core::camera::psf_bank::Kernels;
+use edof_core::camera::Kernels;
 use edof_device::Design;
 use edof_device::design::memory::{self, Set, Space};
 use edof_golden::cycle::estimate::estimate;
@@ -11,7 +11,7 @@ use edof_io::packing::{ByteOrder, Packing};
 use edof_io::raw::{Alignment, RawOptions, Size};
 use edof_study::methods::dictionary::Dictionary;
 use edof_network::weight_file::{WeightFileError, parse_fixed, parse_network};
-use edof_optics::scene_file::SceneFile;
+use edof_optics::SceneFile;
 use edof_study::journal::{Header, Journal, Line, Mixing};
 use edof_study::{aperture, kodak, single_depth, tolerances};
 use std::path::{Path, PathBuf};

@@ -75,9 +75,9 @@ pub fn window(side: usize) -> Result<Window, Error> {
 /// # Errors
 /// A network for a coded lens.
 pub fn clear(net: &str, camera: &Camera) -> Result<(), Error> {
-    match camera.has_mask() {
-        false => Ok(()),
-        true => Err(Error::message(format!(
+    match camera.is_clear() {
+        true => Ok(()),
+        false => Err(Error::message(format!(
             "--clear-net {net}: trained for the camera {}, which has a mask; expected a network for a clear lens",
             camera.name
         ))),

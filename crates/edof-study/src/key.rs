@@ -18,7 +18,7 @@ use edof_network::float::reconstruct::Output;
 use edof_network::network::{Condition, Form, Recurrence, Shrinkage};
 use edof_optics::capture::Approximation;
 use edof_optics::psf::Settings;
-use edof_optics::sensor::Sensor;
+use edof_optics::Sensor;
 use serde::Serialize;
 use serde_json::Value;
 

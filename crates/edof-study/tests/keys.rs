@@ -9,7 +9,7 @@ use edof_io::photos::Photo;
 use edof_network::network::Condition;
 use edof_network::weight_file;
 use edof_optics::psf::Settings;
-use edof_optics::statistics::Statistics;
+use edof_optics::Statistics;
 use edof_study::aperture::networks::{Peer, Photographing};
 use edof_study::aperture::{self, Comparing, networks};
 use edof_study::experiment::Experiment;

@@ -17,12 +17,12 @@ use edof_core::{CfaPhase, Noise, Tone};
 use edof_io::raw;
 use edof_io::record;
 use edof_optics::capture::{Approximation, Kernel};
-use edof_optics::depth::distance_m;
 use edof_optics::depth_map::Unit;
+use edof_optics::distance_m;
 use edof_optics::draw::parse_name;
 use edof_optics::layers;
 use edof_optics::psf::Settings;
-use edof_optics::sensor::{Sensor, SensorError};
+use edof_optics::{Sensor, SensorError};
 use std::path::{Path, PathBuf};
 
 /// Simulate the raw Bayer frame that a camera gives of a photograph or a built-in scene

@@ -14,7 +14,7 @@ use edof_golden::{ColourTable, Counts, Curve, Display};
 use edof_network::float::parameters::Layout;
 use edof_network::float::pass::{Examples, Pass};
 use edof_network::network::{Form, Recurrence, Shrinkage};
-use edof_optics::sensor::{Sensor, expose};
+use edof_optics::{Sensor, expose};
 use edof_train::adam::Adam;
 use ndarray::{Array2, Axis};
 

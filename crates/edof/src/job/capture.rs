@@ -18,8 +18,8 @@ use edof_optics::capture::{
 };
 use edof_optics::draw::{Builtin, draw};
 use edof_optics::layers;
-use edof_optics::scene::Scene;
-use edof_optics::sensor::Sensor;
+use edof_optics::Scene;
+use edof_optics::Sensor;
 use ndarray::{Axis, s};
 use serde::Serialize;
 use std::path::{Path, PathBuf};

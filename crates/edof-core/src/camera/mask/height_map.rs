@@ -3,7 +3,10 @@
 //! A camera file names it by `"height_map": { "file": "mask.png", "white_um": 1.2, "cauchy": [1.458, 0.0035] }`. The picture is square
 //! and its sides touch the aperture; seen as the raw frame is: what is higher on the right sends light to the right.
 
+use super::glass::{etched_rad, is_glass};
+use super::phase::{Function, MAX_HEIGHT_UM, PhaseTerm, Symmetry, Wrong};
 use crate::storage::digest::sha256;
+use crate::words::{number, numbers};
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -49,14 +52,6 @@ pub enum HeightMapError {
     Changed { path: PathBuf, camera: String, found: String, stated: String },
 }
 
-/// Phase in radians that glass of a height in micrometres adds at a wavelength: 2π·height·(n(λ) − 1)/λ, with n(λ) as
-/// [`HeightMap::cauchy`] has it.
-#[must_use]
-pub fn etched_rad(height_um: f64, [a, b]: [f64; 2], wavelength_nm: f64) -> f64 {
-    let um = wavelength_nm * 1e-3;
-    std::f64::consts::TAU * height_um * (a + b / (um * um) - 1.0) / um
-}
-
 impl HeightMap {
     /// Takes the picture that was read from `path`, values 0…1, for the camera of that name.
     ///
@@ -76,16 +71,9 @@ impl HeightMap {
         Ok(())
     }
 
-    /// Phase in radians that white has more than black, at a wavelength.
-    #[must_use]
-    pub fn white_rad(&self, wavelength_nm: f64) -> f64 {
-        etched_rad(self.white_um, self.cauchy, wavelength_nm)
-    }
-
-    /// Height as a share of white's, at a place of the aperture, −1…1 to the right and upward; linear between the middles of pixels. 0 as
-    /// long as the picture was not read.
-    #[must_use]
-    pub fn at(&self, right: f64, up: f64) -> f64 {
+    /// Returns the height as a share of white's, at a place of the aperture, −1…1 to the right and upward; linear between the middles of
+    /// pixels. 0 as long as the picture was not read.
+    fn at(&self, right: f64, up: f64) -> f64 {
         let Some(heights) = &self.heights else { return 0.0 };
         let last = heights.nrows() - 1;
         // Of a coordinate −1…1 the pixel before it, and how far it is to the next.
@@ -103,9 +91,58 @@ impl HeightMap {
     }
 }
 
+impl PhaseTerm for HeightMap {
+    fn what(&self) -> &'static str {
+        "a height map"
+    }
+
+    fn weaker(&self) -> Option<&'static str> {
+        Some("a smoother height map")
+    }
+
+    fn check(&self) -> Result<(), Wrong> {
+        let Self { file, white_um, cauchy, .. } = self;
+        if file.is_empty() {
+            let expected = "the name of a file, as seen from the camera file";
+            return Err(Wrong { field: "height_map.file", value: "empty".to_owned(), expected });
+        }
+        if (1e-4..=MAX_HEIGHT_UM).contains(white_um) && is_glass(*cauchy) {
+            return Ok(());
+        }
+        Err(Wrong {
+            field: "height_map",
+            value: format!("{} um of {}", number(*white_um), numbers(cauchy)),
+            expected: "more than 0: 0.0001 to 100 um, in glass of [0.1 to 10, -10 to 10]",
+        })
+    }
+
+    fn symmetry(&self) -> Symmetry {
+        Symmetry::None
+    }
+
+    fn phase_at(&self, nm: f64) -> Function<'_, f64> {
+        let white_rad = etched_rad(self.white_um, self.cauchy, nm);
+        Box::new(move |at| self.at(at.x, at.y) * white_rad)
+    }
+
+    fn slope_at(&self, _: f64) -> Function<'_, [f64; 2]> {
+        Box::new(|_| [0.0; 2])
+    }
+
+    /// None: differences of a picture's pixels are steps of its grey values rather than slopes.
+    fn largest_slope(&self, _: f64) -> Option<f64> {
+        None
+    }
+
+    fn scale(&mut self, factor: f64) {
+        self.white_um *= factor;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::mask::phase::Place;
 
     fn read(heights: Array2<f32>) -> Result<HeightMap, String> {
         let cauchy = [1.5, 0.0];
@@ -129,7 +166,9 @@ mod tests {
             assert!((map.at(right, up) - expected).abs() < 1e-6, "{right} {up}: {}", map.at(right, up));
         }
         // 0.5 um of glass of index 1.5 are half a wave of 500 nm.
-        assert!((map.white_rad(500.0) - std::f64::consts::PI).abs() < 1e-9);
+        let share = map.at(0.0, 0.0);
+        let rad = map.phase_at(500.0)(Place::new(0.0, 0.0));
+        assert!((rad - share * std::f64::consts::PI).abs() < 1e-9);
     }
 
     #[test]
