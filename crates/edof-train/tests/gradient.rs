@@ -29,11 +29,12 @@ struct Case {
 impl Case {
     fn new(index: u64) -> Self {
         let mut random = Random::new(index, 0, 0);
+        let shrinkage = Shrinkage::ALL[random.below(Shrinkage::ALL.len())];
         let mut flag = || random.below(2) == 1;
         let form = Form {
             window: Window::new(8).unwrap(),
             codes: 6,
-            shrinkage: if flag() { Shrinkage::OneSided } else { Shrinkage::TwoSided },
+            shrinkage,
             recurrence: if flag() { Recurrence::Difference } else { Recurrence::Direct },
             linear_path: flag(),
             tied: flag(),

@@ -38,10 +38,22 @@ impl Shrink {
     /// For codes of `bits` bits.
     #[must_use]
     pub fn new(shrinkage: Shrinkage, bits: u32) -> Self {
+        let two_sided = match shrinkage {
+            Shrinkage::TwoSided => true,
+            Shrinkage::OneSided => false,
+        };
         Self::from_parts(ShrinkParts {
-            two_sided: Constant::new(shrinkage == Shrinkage::TwoSided),
+            two_sided: Constant::new(two_sided),
             max: Constant::new(((1u64 << (bits - 1)) - 1).into()),
         })
+    }
+}
+
+/// Returns the LUTs and registers of a block beyond those of a soft threshold, which [`crate::resources`] counts.
+#[must_use]
+pub const fn extra_logic(shrinkage: Shrinkage) -> (usize, usize) {
+    match shrinkage {
+        Shrinkage::TwoSided | Shrinkage::OneSided => (0, 0),
     }
 }
 
