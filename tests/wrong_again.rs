@@ -30,7 +30,7 @@ const DESIGNS: &[(&str, &str, &str)] = &[
     ("\"codes\": 16", "\"codes\": 0", "codes 0: must be 1 to 1024"),
     ("\"codes\": 16", "\"codes\": -1", "-1, expected a whole number of 0 or more"),
     ("\"layers\": 4", "\"layers\": 99", "layers 99: must be 2 to 10"),
-    ("\"one-sided\"", "\"soft\"", "expected `two-sided` or `one-sided`"),
+    ("\"one-sided\"", "\"soft\"", "expected one of `two-sided`, `one-sided`, `firm`"),
     ("\"direct\"", "\"x\"", "expected `direct` or `difference`"),
     ("\"tied\": false", "\"tied\": \"yes\"", "the text \"yes\", expected true or false"),
     ("\"code_bits\": 16", "\"code_bits\": 7", "code_bits 7: must be 8 to 16"),

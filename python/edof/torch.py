@@ -20,6 +20,7 @@ PATCH = 8
 SHRINKAGES: dict[str, Callable[[Tensor, Tensor], Tensor]] = {
     "two-sided": lambda b, theta: torch.sign(b) * torch.relu(b.abs() - theta),
     "one-sided": lambda b, theta: torch.relu(b - theta),
+    "firm": lambda b, theta: torch.sign(b) * torch.minimum(2 * torch.relu(b.abs() - theta), b.abs()),
 }
 
 

@@ -55,10 +55,19 @@ word two_sided(word b, word theta, int bits, uint *clipped) {
 }
 
 word one_sided(word b, word theta, int bits, uint *clipped) { return saturated(max((int)b - theta, 0), bits, clipped); }
+
+word firm(word b, word theta, int bits, uint *clipped) {
+    int size = abs((int)b), left = min(2 * max(size - theta, 0), size);
+    return saturated(b > 0 ? left : -left, bits, clipped);
+}
 #else
 word two_sided(word b, word theta, int bits, uint *clipped) { return copysign(fmax(fabs(b) - theta, 0.0f), b); }
 
 word one_sided(word b, word theta, int bits, uint *clipped) { return fmax(b - theta, 0.0f); }
+
+word firm(word b, word theta, int bits, uint *clipped) {
+    return copysign(fmin(2.0f * fmax(fabs(b) - theta, 0.0f), fabs(b)), b);
+}
 #endif
 
 // Input words of the windows of some patches of a red-first frame, mirrored at its borders. One work-item a patch and pixel.

@@ -15,6 +15,9 @@ pub enum Shrinkage {
     TwoSided,
     /// max(b − θ, 0), θ of any sign.
     OneSided,
+    /// sign(b)·min(2·max(|b| − θ, 0), |b|), θ ≥ 0: firm thresholding (Gao and Bruce 1997) with the thresholds θ and 2θ. Large codes keep
+    /// their size.
+    Firm,
 }
 
 /// What the training of a network starts from.
@@ -30,7 +33,7 @@ pub struct TrainingDefaults {
 
 impl Shrinkage {
     /// Every non-linearity.
-    pub const ALL: [Self; 2] = [Self::TwoSided, Self::OneSided];
+    pub const ALL: [Self; 3] = [Self::TwoSided, Self::OneSided, Self::Firm];
 
     /// Returns the name in weight files, designs and `--form`. With `_` for `-` it is the name of the function in OpenCL.
     #[must_use]
@@ -38,6 +41,7 @@ impl Shrinkage {
         match self {
             Self::TwoSided => "two-sided",
             Self::OneSided => "one-sided",
+            Self::Firm => "firm",
         }
     }
 
@@ -48,16 +52,20 @@ impl Shrinkage {
         let z = match self {
             Self::TwoSided => b.signum() * (b.abs() - theta).max(0),
             Self::OneSided => (b - theta).max(0),
+            Self::Firm => b.signum() * (2 * (b.abs() - theta).max(0)).min(b.abs()),
         };
         saturate(z, bits)
     }
 
     /// Computes rows of z in floating point. Each row has one b for each θ.
     pub fn apply<T: Real>(self, b: &[T], theta: &[T], z: &mut [T]) {
-        let zero = T::zero();
+        let (zero, two) = (T::zero(), T::one() + T::one());
         match self {
             Self::TwoSided => apply(b, theta, z, |b, t| (b - t).max(zero) + (b + t).min(zero)),
             Self::OneSided => apply(b, theta, z, |b, t| (b - t).max(zero)),
+            Self::Firm => apply(b, theta, z, |b, t| {
+                (two * (b - t).max(zero)).min(b.max(zero)) + (two * (b + t).min(zero)).max(b.min(zero))
+            }),
         }
     }
 
@@ -82,6 +90,13 @@ impl Shrinkage {
         match self {
             Self::TwoSided => rows.pull_back(gradient_b, gradient_theta, |z, _, g| [g, g.copysign(g * z)]),
             Self::OneSided => rows.pull_back(gradient_b, gradient_theta, |_, _, g| [g, g]),
+            // From θ to 2θ the slope is 2; beyond, z is b.
+            Self::Firm => {
+                rows.pull_back(gradient_b, gradient_theta, |z, theta, g| match z.abs() < theta + theta {
+                    true => [g + g, (g + g).copysign(g * z)],
+                    false => [g, T::zero()],
+                })
+            }
         }
     }
 
@@ -90,6 +105,7 @@ impl Shrinkage {
     pub const fn gain(self) -> f64 {
         match self {
             Self::TwoSided | Self::OneSided => 1.0,
+            Self::Firm => 2.0,
         }
     }
 
@@ -97,7 +113,7 @@ impl Shrinkage {
     #[must_use]
     pub const fn closing_threshold(self, min: f64, max: f64) -> f64 {
         match self {
-            Self::TwoSided => min.abs().max(max.abs()),
+            Self::TwoSided | Self::Firm => min.abs().max(max.abs()),
             Self::OneSided => max,
         }
     }
@@ -106,7 +122,7 @@ impl Shrinkage {
     #[must_use]
     pub const fn allows_negative(self) -> bool {
         match self {
-            Self::TwoSided => false,
+            Self::TwoSided | Self::Firm => false,
             Self::OneSided => true,
         }
     }
@@ -121,7 +137,7 @@ impl Shrinkage {
     #[must_use]
     pub const fn training(self) -> TrainingDefaults {
         match self {
-            Self::TwoSided => TrainingDefaults { threshold: 0.3, rate: 2e-3, has_budget: false },
+            Self::TwoSided | Self::Firm => TrainingDefaults { threshold: 0.3, rate: 2e-3, has_budget: false },
             Self::OneSided => TrainingDefaults { threshold: 0.0, rate: 1.5e-3, has_budget: true },
         }
     }
@@ -168,7 +184,7 @@ impl<T: Real> Rows<'_, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use Shrinkage::{OneSided, TwoSided};
+    use Shrinkage::{Firm, OneSided, TwoSided};
     use proptest::prelude::*;
 
     #[test]
@@ -190,6 +206,14 @@ mod tests {
         assert_eq!([5, -3, -5].map(|b| OneSided.word(b, -4, 16).0), [9, 1, 0]);
         assert_eq!(OneSided.word(120, -20, 8), (127, true));
         assert_eq!(OneSided.word(i16::MAX, i16::MIN, 16), (i16::MAX, true));
+    }
+
+    #[test]
+    fn firm_words_double_what_exceeds_theta_until_they_are_whole() {
+        assert_eq!([2, 3, 4, 5, 6, 7, 100].map(|b| Firm.word(b, 3, 16).0), [0, 0, 2, 4, 6, 7, 100]);
+        assert_eq!([-3, -4, -6, -7].map(|b| Firm.word(b, 3, 16).0), [0, -2, -6, -7]);
+        assert_eq!(Firm.word(i16::MIN, 0, 16), (i16::MIN, false));
+        assert_eq!(Firm.word(i16::MIN, i16::MAX, 16), (-2, false));
     }
 
     #[test]

@@ -158,6 +158,7 @@ pub fn shrink(isa: Isa, shrinkage: Shrinkage, bits: u32, theta: &[i16], b: &[i16
     match shrinkage {
         Shrinkage::TwoSided => two_sided(isa, theta, b, z),
         Shrinkage::OneSided => one_sided(isa, bits, theta, b, z),
+        Shrinkage::Firm => firm(isa, theta, b, z),
     }
 }
 
@@ -183,6 +184,17 @@ for_each_isa! {
             *z = b.saturating_sub(*theta).max(0).min(max);
         }
         u64::from(saturated as u16)
+    }
+}
+
+for_each_isa! {
+    /// Doubles what is outside of −θ…θ, up to the size of b, so that it never saturates.
+    fn firm(theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
+        for ((z, b), theta) in z.iter_mut().zip(b).zip(theta) {
+            let outside = *b - (*b).min(*theta).max(-theta.max(&0));
+            *z = outside.saturating_add(outside).min((*b).max(0)).max((*b).min(0));
+        }
+        0
     }
 }
 

@@ -132,13 +132,15 @@ fn plain_held([low, high, off]: Line, [min, max]: [f64; 2]) -> Line {
 
 fn plain_shrunk(shrinkage: Shrinkage, b: Line, used: f64, exact: f64, relative: f64) -> Line {
     let soft = |v: f64| (v - exact).max(0.0);
-    let (low, high, farthest) = match shrinkage {
-        Shrinkage::TwoSided => (soft(b[0]) - soft(-b[0]), soft(b[1]) - soft(-b[1]), magnitude(b)),
-        Shrinkage::OneSided => (soft(b[0]), soft(b[1]), b[1]),
+    let firm = |v: f64| if v > 2.0 * exact { v } else { 2.0 * soft(v) };
+    let (low, high, farthest, slope) = match shrinkage {
+        Shrinkage::TwoSided => (soft(b[0]) - soft(-b[0]), soft(b[1]) - soft(-b[1]), magnitude(b), 1.0),
+        Shrinkage::OneSided => (soft(b[0]), soft(b[1]), b[1], 1.0),
+        Shrinkage::Firm => (firm(b[0]) - firm(-b[0]), firm(b[1]) - firm(-b[1]), magnitude(b), 2.0),
     };
     let rounding = 3.0 * relative * (magnitude(b) + b[2] + exact.abs());
     let off = b[2] + (used - exact).abs() + rounding;
-    [low, high, if farthest + off <= exact { 0.0 } else { off }]
+    [low, high, if farthest + off <= exact { 0.0 } else { slope * off }]
 }
 
 /// The worst cases again, one number after the other.
@@ -315,7 +317,11 @@ fn a_matrix_reaches_its_extremes_at_corners() {
 
 #[test]
 fn a_code_that_cannot_pass_its_threshold_even_with_its_error_is_not_off() {
-    for (shrinkage, first) in [(Shrinkage::OneSided, 0.0), (Shrinkage::TwoSided, 0.125)] {
+    for (shrinkage, [first, last]) in [
+        (Shrinkage::OneSided, [0.0, 0.375]),
+        (Shrinkage::TwoSided, [0.125, 0.375]),
+        (Shrinkage::Firm, [0.25, 0.75]),
+    ] {
         let form = form(2, shrinkage, [false; 3]);
         let mut fixed = edof_device::random::extreme(form, 16, Stride::PATCH, false, 1);
         fixed.code_fractions[0] = 14;
@@ -327,7 +333,7 @@ fn a_code_that_cannot_pass_its_threshold_even_with_its_error_is_not_off() {
             off: ndarray::array![0.125, 0.25, 0.375],
         };
         let off = work.shrunk(0, &b, [-2.0, 2.0]).off.to_vec();
-        assert_eq!(off, [first, 0.0, 0.375]);
+        assert_eq!(off, [first, 0.0, last]);
     }
 }
 
