@@ -210,9 +210,10 @@ def drawn_cases(checker):
     forms = [
         "one-sided,w8,t2,c12", "two-sided,w8,t4,c24,difference", "one-sided,w12,t4,c32,r", "two-sided,w16,t3,c20,r,tied",
         "one-sided,w12,t6,c16,r,tied,difference", "two-sided,w8,t10,c9,r", "one-sided,w16,t2,c40,r", "two-sided,w12,t5,c33,difference,r",
+        "firm,w8,t4,c24,r", "firm,w12,t5,c20,difference",
     ]  # fmt: skip
     kinds, endings = ["ends", "full", "white", "black"], [".png", ".pgm", ".npy", ".bin"]
-    for index in range(48):
+    for index in range(60):
         stride = [8, 4, 2][index % 3]
         bits = 8 + index % 9
         form = forms[index % len(forms)]

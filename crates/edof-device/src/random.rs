@@ -57,12 +57,7 @@ pub fn extreme(form: Form, code_bits: u32, stride: Stride, tight: bool, seed: u6
     let dictionary = matrix(OUTPUTS_422, form.codes, dictionary);
     let linear_path = form.linear_path.then(|| matrix(OUTPUTS_422, pixels, linear));
     let thresholds = (0..form.shrinkages())
-        .map(|_| {
-            Array1::from_shape_fn(form.codes, |_| match form.shrinkage {
-                Shrinkage::OneSided => draw.extreme(code_bits),
-                Shrinkage::TwoSided => draw.extreme(code_bits).max(0),
-            })
-        })
+        .map(|_| Array1::from_shape_fn(form.codes, |_| form.shrinkage.legal(draw.extreme(code_bits))))
         .collect();
     FixedNetwork {
         form,

@@ -4,6 +4,7 @@
 //! Multipliers and block RAM are exact; LUTs and flip-flops lie within 15 % (a test holds all committed designs to that).
 
 use crate::blocks::SLOT_ROWS;
+use crate::blocks::shrink::extra_logic;
 use edof_device::Design;
 use edof_device::design::{BANK_LANES, BEAT, Kind, StagePlan, timing};
 use serde::Serialize;
@@ -94,7 +95,11 @@ impl Sum for Resources {
 /// ```
 #[must_use]
 pub fn stages(design: &Design) -> Vec<Resources> {
-    design.stages().map(|plan| stage(&plan, design.accumulator_bits as usize)).collect()
+    let (lut, ff) = extra_logic(design.form.shrinkage);
+    // Two elements a cycle, and the two before them where a stage sends differences.
+    let blocks = |plan: &StagePlan| 2 * (usize::from(plan.shrinks()) + usize::from(plan.sends_difference));
+    let extra = |plan: &StagePlan| Resources::logic(blocks(plan) * lut, blocks(plan) * ff);
+    design.stages().map(|plan| stage(&plan, design.accumulator_bits as usize) + extra(&plan)).collect()
 }
 
 /// What the whole calculator takes: its stages, and what makes windows whole before them.

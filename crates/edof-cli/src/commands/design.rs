@@ -49,7 +49,7 @@ enum Task {
   edof design new --weights mine.fixed.safetensors --multipliers 400 --out small.json")]
 struct New {
     /// Architecture of its networks
-    #[arg(long, value_parser = form::parse, long_help = form::HELP, required_unless_present = "weights", conflicts_with = "weights")]
+    #[arg(long, value_parser = form::parse, long_help = form::help(), required_unless_present = "weights", conflicts_with = "weights")]
     form: Option<Form>,
 
     /// Network to run, by name or file: sets architecture, bits, accumulators and stride

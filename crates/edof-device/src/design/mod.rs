@@ -18,7 +18,7 @@ use edof_core::number::ACCUMULATOR_BITS;
 use edof_core::storage::{json, name};
 use edof_core::words::number;
 use edof_network::fixed_network::FixedNetwork;
-use edof_network::network::{Form, NetworkError, Recurrence, Shrinkage};
+use edof_network::network::{Form, NetworkError, Recurrence};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -261,11 +261,7 @@ fn differing(network: Form, design: Form) -> Option<(String, String)> {
             format!("windows of {0}x{0}", form.window.side()),
             format!("{} values of sparse code", form.codes),
             format!("{} layers", form.layers),
-            match form.shrinkage {
-                Shrinkage::OneSided => "one-sided shrinkage",
-                Shrinkage::TwoSided => "two-sided shrinkage",
-            }
-            .to_owned(),
+            format!("{} shrinkage", form.shrinkage),
             match form.recurrence {
                 Recurrence::Direct => "direct recurrence",
                 Recurrence::Difference => "recurrence of differences",
