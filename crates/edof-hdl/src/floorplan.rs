@@ -1,36 +1,28 @@
-//! A floorplan of the calculator's stages on the KC705's part, for users who need one; no step of the build reads the file.
+//! A floorplan of the calculator's stages on a Xilinx part, for users who need one; no step of the build reads the file.
 
 use crate::board::blocks;
+use crate::resources::bank_memories;
 use edof_device::Design;
+use edof_device::board::part::Columns;
 use std::fmt::Write;
 
-/// Columns of DSP48E1 in the XC7K325T, each of [`DSP_ROWS`].
-const DSP_COLUMNS: usize = 6;
-/// Rows of DSP48E1; two of them, and one of RAMB36E1, are five rows of slices.
-const DSP_ROWS: usize = 140;
-/// Columns of RAMB36E1, the last of which has gaps.
-const RAM_COLUMNS: usize = 7;
-
-/// The lines of `floorplan.xdc`, whose calculator is inside of the instance `instance` of the design's top: a band of rows for each stage, in
-/// the order in which data pass.
+/// Returns the lines of `floorplan.xdc` for a part with these columns, whose calculator is inside of the instance `instance` of the design's
+/// top: a band of rows for each stage, in the order in which data pass. Two rows of multipliers, and one of block memories, are five rows of
+/// slices.
 #[must_use]
-pub fn lines(design: &Design, instance: &str) -> String {
+pub fn lines(design: &Design, columns: Columns, instance: &str) -> String {
+    let Columns { multipliers: (dsp_columns, dsp_rows), memories: ram_columns } = columns;
     let mut text = String::from(HEAD);
     let mut row = 0;
     for (plan, block) in design.stages().zip(blocks::stages(design)) {
-        // Whole rows of RAMB36E1. A memory of 64 bits that reads at both ports is two of 36 bits.
-        let depth = plan.weight_depth();
-        let rams = if plan.reads_both_ports() {
-            2 * depth.div_ceil(1024)
-        } else {
-            plan.row_words() * depth.div_ceil(512)
-        };
-        let of_dsps = plan.dsps().div_ceil(DSP_COLUMNS).next_multiple_of(2);
-        let of_rams = 2 * (plan.banks() * rams).div_ceil(RAM_COLUMNS - 1);
+        // Whole rows of block memories.
+        let rams = bank_memories(&design.board.part, &plan).memories;
+        let of_dsps = plan.dsps().div_ceil(dsp_columns).next_multiple_of(2);
+        let of_rams = 2 * (plan.banks() * rams).div_ceil(ram_columns - 1);
         let rows = of_dsps.max(of_rams);
-        let (last, dsp, ram) = (row + rows - 1, DSP_COLUMNS - 1, RAM_COLUMNS - 1);
+        let (last, dsp, ram) = (row + rows - 1, dsp_columns - 1, ram_columns - 1);
         // Writing to a String cannot fail.
-        if last >= DSP_ROWS {
+        if last >= dsp_rows {
             let _ = writeln!(
                 text,
                 "\n# Stage {} has no room in a band of its own, nor have those after it.",
@@ -64,7 +56,9 @@ mod tests {
     #[test]
     fn every_stage_of_the_board_has_a_band_with_all_its_multipliers() {
         let design = Design::from_json(include_str!("../../../designs/kc705.json")).unwrap();
-        let text = lines(&design, "core/core");
+        let columns = design.board.part.columns.unwrap();
+        let (dsp_columns, dsp_rows) = columns.multipliers;
+        let text = lines(&design, columns, "core/core");
         let bands: Vec<(usize, usize)> = text
             .lines()
             .filter_map(|line| line.split_once("DSP48_X0Y")?.1.split_once(" RAMB"))
@@ -75,10 +69,10 @@ mod tests {
             .collect();
         assert_eq!(bands.len(), design.stages.len());
         for ((first, last), plan) in bands.iter().zip(design.stages()) {
-            assert!((last - first + 1) * DSP_COLUMNS >= plan.dsps(), "{text}");
+            assert!((last - first + 1) * dsp_columns >= plan.dsps(), "{text}");
         }
         assert!(
-            bands.windows(2).all(|pair| pair[0].1 < pair[1].0) && bands[bands.len() - 1].1 < DSP_ROWS,
+            bands.windows(2).all(|pair| pair[0].1 < pair[1].0) && bands[bands.len() - 1].1 < dsp_rows,
             "{text}"
         );
     }

@@ -12,10 +12,10 @@ use edof_core::Noise;
 use edof_core::words::{count, number};
 use edof_cosim::explore::{self, Folding, Pairs, any_folding};
 use edof_device::Design;
+use edof_device::board::Resources;
 use edof_golden::Golden;
 use edof_golden::cycle::Cycle;
 use edof_golden::cycle::explore::front;
-use edof_hdl::resources::Resources;
 use edof_network::FixedNetwork;
 use edof_study::metrics::{BORDER, psnr, shown};
 use serde_json::json;
@@ -26,7 +26,7 @@ use std::path::PathBuf;
 ///
 /// A folding is the number of lanes (outputs computed at once) and rows (values multiplied per cycle in each lane) of every stage.
 /// Each network runs on every picture at every depth with its own camera. The number of values that each stage multiplies per patch
-/// then determines the cycles of a folding. A design sets clock and picture size; the device is an XC7K325T.
+/// then determines the cycles of a folding. A design sets clock and picture size; the board of the design sets the device.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof explore --weights edof-t4w12-outer
@@ -44,9 +44,9 @@ pub struct Args {
     #[arg(long, default_value_t = 60.0)]
     fps: f64,
 
-    /// FPGA that the folding must fit
-    #[arg(long, value_parser = ["xc7k325t"], default_value = "xc7k325t")]
-    device: String,
+    /// FPGA that the folding must fit: the part of the design's board [default: that part]
+    #[arg(long)]
+    device: Option<String>,
 
     /// Picture to measure on; repeatable [default: a built-in scene of dead leaves]
     #[arg(long, value_name = "FILE")]
@@ -77,13 +77,9 @@ pub struct Found {
 }
 
 impl Found {
-    pub fn ramb36(&self) -> f64 {
-        self.used.ramb36e1 as f64 + self.used.ramb18e1 as f64 / 2.0
-    }
-
     /// What is better where it is less.
     pub fn figures(&self) -> [f64; 4] {
-        [-self.db, self.cycles, self.used.dsp48e1 as f64, self.ramb36()]
+        [-self.db, self.cycles, self.used.multipliers as f64, self.used.whole_memories()]
     }
 }
 
@@ -97,15 +93,22 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let kept = front(&found.iter().map(Found::figures).collect::<Vec<_>>());
     let mut kept: Vec<Found> =
         found.into_iter().zip(kept).filter_map(|(one, keep)| keep.then_some(one)).collect();
-    kept.sort_by(|a, b| b.db.total_cmp(&a.db).then(a.used.dsp48e1.cmp(&b.used.dsp48e1)));
+    kept.sort_by(|a, b| b.db.total_cmp(&a.db).then(a.used.multipliers.cmp(&b.used.multipliers)));
 
-    ui.say("   dB  cycles   worst  frames/s  DSP48E1  RAMB36E1  network, lanes x rows")?;
+    let part = &base.board.part;
+    let names = [part.multiplier.name, part.memory.name];
+    let widths = names.map(|name| name.len().max(7));
+    ui.say(format!(
+        "   dB  cycles   worst  frames/s  {:>2$}  {:>3$}  network, lanes x rows",
+        names[0], names[1], widths[0], widths[1]
+    ))?;
     for one in &kept {
         let Found { network, db, folding, cycles, worst_cycles, frames, used, .. } = one;
-        let ramb36 = one.ramb36();
+        let (multipliers, memories) = (used.multipliers, used.whole_memories());
+        let [multipliers_width, memories_width] = widths;
         ui.say(format!(
-            "{db:5.2}  {cycles:6.1}  {worst_cycles:6.1}  {frames:8.1}  {:7}  {ramb36:8.1}  {network}, {folding}",
-            used.dsp48e1
+            "{db:5.2}  {cycles:6.1}  {worst_cycles:6.1}  {frames:8.1}  {multipliers:multipliers_width$}  {memories:memories_width$.1}  \
+             {network}, {folding}"
         ))?;
     }
     if !fast {
@@ -123,12 +126,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
             "cycles_per_patch": one.cycles,
             "worst_picture_cycles_per_patch": one.worst_cycles,
             "frames_per_second": one.frames,
-            "resources": one.used,
+            "resources": part.named(&one.used),
         })
     };
     ui.json(&json!({
         "design": base.name,
-        "device": args.device,
+        "device": part.name.to_lowercase(),
         "fps": args.fps,
         "reached": fast,
         "front": kept.iter().map(told).collect::<Vec<_>>(),
@@ -160,6 +163,14 @@ impl Args {
             return Err(Error::message(format!("--weights: {twice} is given twice")));
         }
         let base = designs::load(&self.design)?;
+        let part = base.board.part.name.to_lowercase();
+        if let Some(device) = self.device.as_ref().filter(|device| !device.eq_ignore_ascii_case(&part)) {
+            let name = &base.name;
+            return Err(Error::message(format!(
+                "--device {device}: design {name} is for board {}, which has an {part}; omit --device",
+                base.board.name
+            )));
+        }
         ui.used(designs::input(&base));
         let mut found = vec![];
         for name in &self.weights {
@@ -170,7 +181,7 @@ impl Args {
             let names = self.weights.join(", ");
             return Err(Error::message(format!(
                 "no folding of {names} fits {}; choose a smaller network, or a design of smaller frames",
-                self.device
+                part
             )));
         }
         Ok((base, found))
@@ -179,11 +190,6 @@ impl Args {
     /// Frames per second that are required.
     pub const fn fps(&self) -> f64 {
         self.fps
-    }
-
-    /// What it is that foldings must fit.
-    pub fn device(&self) -> &str {
-        &self.device
     }
 
     /// What they are measured on, in words.
