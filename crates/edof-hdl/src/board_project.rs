@@ -2,7 +2,7 @@
 
 use crate::benches::{self, Benches, Recorded};
 use crate::board::{Identity, Tables};
-use crate::boards;
+use crate::boards::circuits;
 use crate::crossing::constraints::{self, Period};
 use crate::floorplan;
 use crate::project::{self, Project, ProjectError};
@@ -36,8 +36,10 @@ pub fn project(
         let numbers = numbers(design)?;
         let calculator = project::calculator(design, sets)?;
         let small = Design { frame: recorded.video.size, ..design.clone() };
-        let tried = project::of_circuit(&mut *boards::core(&small, sets, identity, tables)?, vec![])?;
-        let mut top = boards::top(design, sets, identity, tables)?;
+        let circuits = circuits(design.board)?;
+        let mut small_core = (circuits.core)(&small, sets, identity, tables)?;
+        let tried = project::of_circuit(&mut *small_core, vec![])?;
+        let mut top = (circuits.top)(design, sets, identity, tables)?;
         let images = project::images(design, sets).into_iter().chain(tables.images(design.board)).collect();
         let core = project::of_circuit(&mut *top, images)?;
         let benches = benches::files(&core, &calculator, &tried, recorded);

@@ -8,15 +8,15 @@ use edof_device::design::{Design, DesignError};
 use edof_network::FixedNetwork;
 
 /// Makes a circuit of a design, both sets of its weights, its identity and the tables of its display.
-type Make = fn(&Design, [&FixedNetwork; 2], &Identity, &Tables) -> Result<Box<dyn Circuit>, DesignError>;
+pub type Make = fn(&Design, [&FixedNetwork; 2], &Identity, &Tables) -> Result<Box<dyn Circuit>, DesignError>;
 
 /// The circuits of a board.
-struct Circuits {
+pub struct Circuits {
     board: &'static Board,
     /// Everything between the clocks of the pins and the memory, as wide as the memory's port.
-    core: Make,
+    pub core: Make,
     /// The core with what the board has around it.
-    top: Make,
+    pub top: Make,
 }
 
 const CIRCUITS: [Circuits; 1] = [Circuits {
@@ -29,34 +29,12 @@ const CIRCUITS: [Circuits; 1] = [Circuits {
     },
 }];
 
-fn circuits(board: &'static Board) -> Result<&'static Circuits, DesignError> {
-    let found = CIRCUITS.iter().find(|circuits| circuits.board == board);
+/// Returns the circuits of a board.
+///
+/// # Errors
+/// [`DesignError::Lacks`]: there are none.
+pub fn circuits(board: &'static Board) -> Result<&'static Circuits, DesignError> {
     let what = "circuits around the calculator";
+    let found = CIRCUITS.iter().find(|circuits| circuits.board == board);
     found.ok_or_else(|| DesignError::Lacks { board: board.name, what: what.into() })
-}
-
-/// Makes the core of a design for its board.
-///
-/// # Errors
-/// [`DesignError`] names what does not fit what, or what the board lacks.
-pub fn core(
-    design: &Design,
-    sets: [&FixedNetwork; 2],
-    identity: &Identity,
-    tables: &Tables,
-) -> Result<Box<dyn Circuit>, DesignError> {
-    (circuits(design.board)?.core)(design, sets, identity, tables)
-}
-
-/// Makes the core of a design with what its board has around it.
-///
-/// # Errors
-/// As [`core`].
-pub fn top(
-    design: &Design,
-    sets: [&FixedNetwork; 2],
-    identity: &Identity,
-    tables: &Tables,
-) -> Result<Box<dyn Circuit>, DesignError> {
-    (circuits(design.board)?.top)(design, sets, identity, tables)
 }

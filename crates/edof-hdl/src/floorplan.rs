@@ -48,32 +48,3 @@ const HEAD: &str = "\
 # Optional, read by no script: `read_xdc constraints/floorplan.xdc` before place_design where the stages of the calculator miss their clock and their worst paths are\n\
 # wires (docs/fabric.md). It keeps the multipliers and memories of a stage together, in bands of rows from the bottom up in the order in which data pass;\n\
 # slices are left free. Within a stage the banks are `multipliers/banks[N].lanes`, eight neighbours share their registers of control.\n";
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_stage_of_the_board_has_a_band_with_all_its_multipliers() {
-        let design = Design::from_json(include_str!("../../../designs/kc705.json")).unwrap();
-        let columns = design.board.part.columns.unwrap();
-        let (dsp_columns, dsp_rows) = columns.multipliers;
-        let text = lines(&design, columns, "core/core");
-        let bands: Vec<(usize, usize)> = text
-            .lines()
-            .filter_map(|line| line.split_once("DSP48_X0Y")?.1.split_once(" RAMB"))
-            .map(|(range, _)| {
-                let (first, last) = range.split_once(":DSP48_X5Y").unwrap();
-                (first.parse().unwrap(), last.parse().unwrap())
-            })
-            .collect();
-        assert_eq!(bands.len(), design.stages.len());
-        for ((first, last), plan) in bands.iter().zip(design.stages()) {
-            assert!((last - first + 1) * dsp_columns >= plan.dsps(), "{text}");
-        }
-        assert!(
-            bands.windows(2).all(|pair| pair[0].1 < pair[1].0) && bands[bands.len() - 1].1 < dsp_rows,
-            "{text}"
-        );
-    }
-}

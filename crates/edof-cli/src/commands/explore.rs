@@ -12,7 +12,6 @@ use edof_core::Noise;
 use edof_core::words::{count, number};
 use edof_cosim::explore::{self, Folding, Pairs, any_folding};
 use edof_device::Design;
-use edof_device::board::Resources;
 use edof_golden::Golden;
 use edof_golden::cycle::Cycle;
 use edof_golden::cycle::explore::front;
@@ -69,17 +68,14 @@ pub struct Found {
     pub network: String,
     pub camera: String,
     pub db: f64,
-    pub folding: String,
-    pub cycles: f64,
-    pub worst_cycles: f64,
-    pub frames: f64,
-    pub used: Resources,
+    pub folding: Folding,
 }
 
 impl Found {
     /// What is better where it is less.
     pub fn figures(&self) -> [f64; 4] {
-        [-self.db, self.cycles, self.used.multipliers as f64, self.used.whole_memories()]
+        let Folding { cycles, used, .. } = &self.folding;
+        [-self.db, *cycles, used.multipliers as f64, used.whole_memories()]
     }
 }
 
@@ -88,12 +84,14 @@ impl Found {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     args.files(Files::new(ui)).keeps(args.force).check()?;
     let (base, mut found) = args.found(ui)?;
-    let fast = found.iter().any(|one| one.frames >= args.fps);
-    found.retain(|one| !fast || one.frames >= args.fps);
+    let fast = found.iter().any(|one| one.folding.frames >= args.fps);
+    found.retain(|one| !fast || one.folding.frames >= args.fps);
     let kept = front(&found.iter().map(Found::figures).collect::<Vec<_>>());
     let mut kept: Vec<Found> =
         found.into_iter().zip(kept).filter_map(|(one, keep)| keep.then_some(one)).collect();
-    kept.sort_by(|a, b| b.db.total_cmp(&a.db).then(a.used.multipliers.cmp(&b.used.multipliers)));
+    kept.sort_by(|a, b| {
+        b.db.total_cmp(&a.db).then(a.folding.used.multipliers.cmp(&b.folding.used.multipliers))
+    });
 
     let part = &base.board.part;
     let names = [part.multiplier.name, part.memory.name];
@@ -103,12 +101,13 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         names[0], names[1], widths[0], widths[1]
     ))?;
     for one in &kept {
-        let Found { network, db, folding, cycles, worst_cycles, frames, used, .. } = one;
+        let Found { network, db, folding: Folding { words, cycles, worst_cycles, frames, used, .. }, .. } =
+            one;
         let (multipliers, memories) = (used.multipliers, used.whole_memories());
         let [multipliers_width, memories_width] = widths;
         ui.say(format!(
             "{db:5.2}  {cycles:6.1}  {worst_cycles:6.1}  {frames:8.1}  {multipliers:multipliers_width$}  {memories:memories_width$.1}  \
-             {network}, {folding}"
+             {network}, {words}"
         ))?;
     }
     if !fast {
@@ -122,11 +121,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         json!({
             "weights": one.network,
             "psnr_db": one.db,
-            "stages": one.folding,
-            "cycles_per_patch": one.cycles,
-            "worst_picture_cycles_per_patch": one.worst_cycles,
-            "frames_per_second": one.frames,
-            "resources": part.named(&one.used),
+            "stages": one.folding.words,
+            "cycles_per_patch": one.folding.cycles,
+            "worst_picture_cycles_per_patch": one.folding.worst_cycles,
+            "frames_per_second": one.folding.frames,
+            "resources": part.named(&one.folding.used),
         })
     };
     ui.json(&json!({
@@ -213,16 +212,9 @@ fn of_network(
     let (db, pictures) = measure(args, network, &any_folding(base, network)?, ui)?;
     let found = explore::found(base, network, &pictures, interrupt::flow)?;
     interrupt::check()?;
-    let found = found.into_iter().map(|Folding { words, cycles, worst_cycles, frames, used, .. }| Found {
-        network: name.into(),
-        camera: network.origin.camera.name.clone(),
-        db,
-        folding: words,
-        cycles,
-        worst_cycles,
-        frames,
-        used,
-    });
+    let camera = &network.origin.camera.name;
+    let found =
+        found.into_iter().map(|folding| Found { network: name.into(), camera: camera.clone(), db, folding });
     Ok(found.collect())
 }
 

@@ -17,7 +17,7 @@ use edof_device::video::VideoTiming;
 use edof_golden::Display;
 use edof_golden::video::figures::Periods;
 use edof_hdl::board::Identity;
-use edof_hdl::boards;
+use edof_hdl::boards::circuits;
 use edof_hdl::project::{Project, ProjectError, images, of_circuit, spacious};
 use edof_network::FixedNetwork;
 
@@ -35,7 +35,7 @@ pub fn project(
     let tables = words.tables();
     let identity = Identity::of(design, sets[0]);
     spacious(|| {
-        let mut core = boards::core(design, sets, &identity, &tables)?;
+        let mut core = (circuits(design.board)?.core)(design, sets, &identity, &tables)?;
         let files = images(design, sets).into_iter().chain(tables.images(design.board)).collect();
         Ok(of_circuit(&mut *core, files)?)
     })

@@ -60,12 +60,12 @@ fn folding(one: &Found, on_front: bool) -> Folding {
         network: one.network.clone(),
         camera: one.camera.clone(),
         psnr_db: one.db,
-        stages: one.folding.clone(),
-        cycles_per_patch: one.cycles,
-        worst_picture_cycles_per_patch: one.worst_cycles,
-        frames_per_second: one.frames,
-        multipliers: one.used.multipliers,
-        memories: one.used.whole_memories(),
+        stages: one.folding.words.clone(),
+        cycles_per_patch: one.folding.cycles,
+        worst_picture_cycles_per_patch: one.folding.worst_cycles,
+        frames_per_second: one.folding.frames,
+        multipliers: one.folding.used.multipliers,
+        memories: one.folding.used.whole_memories(),
         on_front,
     }
 }
