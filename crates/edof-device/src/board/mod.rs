@@ -6,6 +6,7 @@
 //! | clocks that a PLL makes | [`pll`] |
 //! | frames in memory | [`memory`] |
 //! | the KC705 | [`kc705`] |
+//! | the ULX3S | [`ulx3s`] |
 //!
 //! A board is one file with its value and one line in [`BOARDS`]. A design names its board; what a design asks of it is in
 //! [`crate::design::on_board`].
@@ -14,11 +15,13 @@ pub mod kc705;
 pub mod memory;
 pub mod part;
 pub mod pll;
+pub mod ulx3s;
 
 pub use kc705::KC705;
 pub use memory::Memory;
 pub use part::{Part, Resources};
 pub use pll::{MadeClock, Pll};
+pub use ulx3s::ULX3S;
 
 use crate::i2c::Entry;
 use crate::video::VideoTiming;
@@ -27,7 +30,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 
 /// All boards; the first is that of designs which name none.
-pub const BOARDS: [&Board; 1] = [&KC705];
+pub const BOARDS: [&Board; 2] = [&KC705, &ULX3S];
 
 /// Milliseconds of silence after which a frame on the host's line is given up, on every board.
 pub const UART_TIME_OUT_MS: u32 = 100;
