@@ -44,7 +44,7 @@ pub fn weights(bytes: &[u8]) {
 pub fn design(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     if let Ok(design) = Design::from_json(text) {
-        let _ = edof_device::board::check(&design);
+        let _ = design.check_board();
         assert!(estimate(&design, None).cycles_per_patch >= 1.0, "a patch takes cycles");
         for stage in design.stages() {
             let _ = stage.drain_latency();
