@@ -4,6 +4,7 @@ mod architecture;
 mod bad_input;
 mod board;
 mod board_data;
+mod bound;
 mod contradictions;
 mod developing;
 mod documents;

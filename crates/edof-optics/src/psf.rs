@@ -12,6 +12,7 @@ mod wavefront;
 
 pub use round::{otf_along_row, pixel_transfer, quarter_otf, quarter_psf};
 pub use spectrum::wavelengths;
+pub(crate) use wavefront::whole_psf;
 
 use crate::bank;
 use crate::depth::in_metres;
