@@ -2,10 +2,11 @@
 
 use edof_core::camera::Camera;
 use edof_optics::bound::ceiling::ceilings;
-use edof_optics::bound::judge::{Best, Judge, Sides};
-use edof_optics::bound::lenses::without_mask;
-use edof_optics::bound::transfer::Sampling;
-use edof_optics::bound::{Light, Reached};
+use edof_optics::bound::judge::{Judge, Sides};
+use edof_optics::bound::lenses::{closed, without_mask};
+use edof_optics::bound::transfer::{Sampling, transfers};
+use edof_optics::bound::wiener::bayer_errors;
+use edof_optics::bound::{Light, Reached, depths};
 use edof_optics::statistics::Statistics;
 
 fn light(electrons: f64) -> Light {
@@ -33,18 +34,38 @@ const TABLE: [([f64; 2], [f64; 3], [f64; 4], [f64; 2]); 12] = [
     ([24.0, 10000.0], [30.44, 29.18, 2.0], [-0.52, 0.48, 0.26, -0.27], [2.9, 4.6]),
 ];
 
+/// The ring at the stops and foci that were tried when the table was made: for each light the best by a blind estimate, and by one that knows the depth.
+fn ring_settings(ring: &Camera, lights: &[Light], statistics: &Statistics) -> Vec<[Reached; 2]> {
+    let worst = Reached { average_db: 0.0, worst_db: 0.0 };
+    let mut best = vec![[worst; 2]; lights.len()];
+    let open = [-0.5, 0.0, 0.5, 1.0, 1.5].map(|moved| (0.0, moved));
+    for (stops, moved) in open.into_iter().chain([0.5, 1.0, 1.5].map(|stops| (stops, 0.5f64))) {
+        let focus_psi = 0.5 * ring.psi_range[1] + moved * f64::exp2(stops);
+        let camera = closed(&Camera { focus_psi, ..ring.clone() }, stops);
+        let psis: Vec<f64> = depths(ring.psi_range).iter().map(|psi| psi * f64::exp2(-stops)).collect();
+        let seen = transfers(&camera, &psis, Sampling::Fine);
+        for (best, light) in best.iter_mut().zip(lights) {
+            let errors = bayer_errors(&camera, &seen, statistics, light.variance(stops));
+            for (best, errors) in best.iter_mut().zip([&errors.blind, &errors.known]) {
+                let found = Reached::of_errors(errors);
+                *best = if found.score() > best.score() { found } else { *best };
+            }
+        }
+    }
+    best
+}
+
 #[test]
 fn the_worked_out_table_comes_out_within_a_tenth_of_a_decibel() {
     let statistics = Statistics::natural();
     let lights = [100.0, 1000.0, 10000.0].map(light);
     let mut apart = vec![];
     for (index, range) in [8.0, 12.0, 16.0, 24.0].into_iter().enumerate() {
-        let judge = |stops: &[f64], camera: &Camera, sides| -> Vec<Best> {
-            Judge::new(&lights, stops, Sampling::Fine, &statistics).best(camera, sides)
-        };
         let ring = camera("ring-outer", range);
-        let clear = judge(&[0.0, 0.5, 1.0, 1.5, 2.0, 2.5], &without_mask(&ring), Sides::Alike);
-        let coded = judge(&[0.0, 0.5, 1.0, 1.5], &ring, Sides::Differ);
+        let stops = [0.0, 0.5, 1.0, 1.5, 2.0, 2.5];
+        let clear =
+            Judge::new(&lights, &stops, Sampling::Fine, &statistics).best(&without_mask(&ring), Sides::Alike);
+        let coded = ring_settings(&ring, &lights, &statistics);
         let ceiling = ceilings(&ring, &lights, 0.0, &statistics);
         for (i, (clear, coded)) in clear.iter().zip(&coded).enumerate() {
             let ([_, electrons], clear_known, ring_minus, any_minus) = TABLE[3 * index + i];
@@ -58,7 +79,6 @@ fn the_worked_out_table_comes_out_within_a_tenth_of_a_decibel() {
                 [limit - clear.known_peaks.average_db, limit - clear.known_peaks.worst_db].to_vec(),
             ];
             let expected = [clear_known.to_vec(), ring_minus.to_vec(), any_minus.to_vec()];
-            println!("{range} {electrons}: {found:.2?} {expected:?}");
             let far = found.concat().iter().zip(expected.concat()).any(|(a, b)| (a - b).abs() > 0.1);
             if far {
                 apart.push(format!(

@@ -11,7 +11,7 @@ use ndarray::Array2;
 
 /// Widest range of ψ, at the aperture in use, whose blur the torus has room for.
 pub const WIDEST: f64 = 48.0;
-/// Furthest focus from the middle of the range, in eighths of the range, and its steps.
+/// Foci that are tried, as halves of the distance between two depths from the middle of the range.
 const FOCI: std::ops::RangeInclusive<i32> = -1..=3;
 
 /// A stop and a focus, and what a lens reaches with them.
@@ -97,7 +97,8 @@ impl<'a> Judge<'a> {
     pub fn best(&self, camera: &Camera, sides: Sides) -> Vec<Best> {
         let mut best: Vec<Option<Best>> = vec![None; self.lights.len()];
         for &stops in self.stops {
-            for (focus_psi, transfers) in self.foci(&closed(camera, stops), sides) {
+            let psis: Vec<f64> = depths(camera.psi_range).iter().map(|psi| psi * (-stops).exp2()).collect();
+            for (focus_psi, transfers) in self.foci(&closed(camera, stops), &psis, sides) {
                 let round = camera.is_round();
                 let bayer = View::new::<Bayer>(&self.spectra, &transfers, round);
                 let planes = View::new::<Planes>(&self.spectra, &transfers, round);
@@ -121,8 +122,7 @@ impl<'a> Judge<'a> {
 
     /// Foci to be tried, as ψ of the aperture in use, with the transfers at every depth. Transfers depend on the distance from focus alone, so they
     /// are computed once for all foci.
-    fn foci(&self, camera: &Camera, sides: Sides) -> Vec<(f64, Vec<Transfer>)> {
-        let psis = depths(camera.psi_range);
+    fn foci(&self, camera: &Camera, psis: &[f64], sides: Sides) -> Vec<(f64, Vec<Transfer>)> {
         let middle = 0.5 * (camera.psi_range[0] + camera.psi_range[1]);
         let focused = |focus_psi: f64| Camera { focus_psi, ..camera.clone() };
         if sides == Sides::Alike {

@@ -106,10 +106,10 @@ pub fn decibels(error: f64) -> f64 {
     -10.0 * error.max(1e-12).log10()
 }
 
-/// Returns the depths at which a range of ψ is judged, evenly spread with both ends: 9, and more from a width of 16 on.
+/// Returns the depths at which a range of ψ is judged, evenly spread with both ends: 9 of them, more from a width of 16 on, 25 at most.
 #[must_use]
 pub fn depths([low, high]: [f64; 2]) -> Vec<f64> {
-    let count = (7.0 + 0.25 * (high - low)).max(9.0) as usize;
+    let count = (7.0 + 0.25 * (high - low)).clamp(9.0, 25.0) as usize;
     let count = count - (count + 1) % 2;
     (0..count).map(|i| low + (high - low) * i as f64 / (count - 1) as f64).collect()
 }

@@ -120,8 +120,10 @@ fn a_lens_without_a_mask_is_its_own_clear_lens_and_verdicts_state_the_limit() {
     let found = bound(&camera, &[[0.0, 2.0]], &[light], &Statistics::natural()).unwrap();
     let row = found.rows[0];
     assert_eq!(row.clear, row.lens);
-    let gain = row.any_minus_clear();
-    assert!(gain.average_db > -0.02 && gain.worst_db < 0.5, "{gain:?}");
+    // Behind a mosaic even a sharp lens is beaten by one that lets no frequency alias.
+    for gain in [row.any_minus_clear(), row.any_minus_clear_in_planes()] {
+        assert!(gain.average_db > -0.02 && gain.worst_db < 1.0, "{gain:?}");
+    }
     assert!(found.verdicts()[0].starts_with("ψ 0 to 2: any mask whatever gains"));
     let plots = frequency_plots(&camera);
     assert_eq!(plots.len(), 3);
