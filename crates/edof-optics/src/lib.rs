@@ -26,6 +26,7 @@
 //! | world | [`Statistics`] | how photographs vary, measured or as a model |
 //! | judge | [`estimator`] | what a linear estimator reaches behind a camera, in closed form |
 //! | search | [`design`] | mask and focus by differential evolution |
+//! | limit | [`bound`] | what no lens passes, and the lens that a scene needs |
 //!
 //! ```
 //! use edof_optics::capture::{Approximation, capture};
@@ -47,6 +48,7 @@
 
 pub mod bank;
 mod blur;
+pub mod bound;
 pub mod capture;
 mod composite;
 pub mod cosine;

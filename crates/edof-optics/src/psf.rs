@@ -18,6 +18,7 @@ pub use round::{otf_along_row, pixel_transfer, quarter_otf, quarter_psf};
 pub use settings::{Settings, SettingsError};
 pub use spectrum::wavelengths;
 pub use support::{MAX_DEFOCUS, SUPPORT};
+pub(crate) use wavefront::whole_psf;
 
 use crate::bank;
 use crate::depth::in_metres;

@@ -1,5 +1,8 @@
 //! `edof optics`, and `edof optics design`.
 
+mod advise;
+mod bound;
+mod scene;
 mod through;
 
 use crate::error::Error;
@@ -76,11 +79,15 @@ Examples:
   edof optics ring-outer --psi 3m,5m,10m --nominal 10
   edof optics ring-outer --psf-bank measured.npz --out out/measured
   edof optics design --out mine.json
-  edof optics design --rings 2 --psi-range -4,4 --noise 0.01 --images photos/train --out mine.json";
+  edof optics design --rings 2 --psi-range -4,4 --noise 0.01 --images photos/train --out mine.json
+  edof optics bound ring-outer --range 8:0,16:0
+  edof optics advise --range 0.4m:10m --aperture-mm 2 --electrons 3000";
 
 #[derive(clap::Subcommand)]
 enum Subtask {
     Design(Design),
+    Bound(bound::Args),
+    Advise(advise::Args),
 }
 
 /// Search for the best mask and focus for a range of depths
@@ -186,8 +193,11 @@ struct ShownDepth {
 /// # Errors
 /// An unknown camera, depths out of reach, a folder or file that cannot be written, Ctrl-C.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    if let Some(Subtask::Design(args)) = args.task {
-        return design(args, ui);
+    match args.task {
+        Some(Subtask::Design(args)) => return design(args, ui),
+        Some(Subtask::Bound(args)) => return bound::run(args, ui),
+        Some(Subtask::Advise(args)) => return advise::run(args, ui),
+        None => {}
     }
     let Lens { camera, files } = lens::resolve(&args.camera, args.psf_bank.as_deref())?;
     Files::new(ui).reads_all(files).writes_into("--out", &args.out, FILES).check()?;
