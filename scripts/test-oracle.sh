@@ -18,3 +18,5 @@ if ! "$environment/bin/python" -c 'import numpy, PIL' 2>/dev/null; then
 fi
 "$environment/bin/python" -B tests/oracles/optics.py "$EDOF"
 "$environment/bin/python" -B tests/oracles/check.py "$EDOF" "$@"
+# Banks of PSFs as NumPy writes them.
+EDOF_PYTHON=$environment/bin/python cargo test --workspace --locked --test program -- --ignored a_bank_of_any_of_numpys_kinds

@@ -241,6 +241,7 @@ def cases() -> list[Case]:
         ("save_picture ending", lambda: edof.save_picture("/tmp/x.xyz", LIGHT), ERROR, "x.xyz"),
         ("quality sizes", lambda: edof.quality(LIGHT, LIGHT[:, 2:]), ERROR, "must be equally large"),
         ("quality border", lambda: edof.quality(LIGHT, LIGHT, border=14), ERROR, "to crop 14 pixels"),
+        ("quality tone", lambda: edof.quality(LIGHT, LIGHT, tone="log"), ERROR, "tone 'log': must be linear or srgb"),
         ("psnr sizes", lambda: edof.psnr(LIGHT, LIGHT[:, 2:]), ERROR, "estimate: (30, 48) pixels, expected (32, 48)"),
         ("psnr border", lambda: edof.psnr(LIGHT, LIGHT, border=16), ERROR, "border 16: leaves nothing"),
         # What people use instead.

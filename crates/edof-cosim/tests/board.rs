@@ -220,14 +220,21 @@ fn parts(folder: &Path, module: &str) -> Vec<(String, String)> {
 }
 
 #[test]
-fn every_stage_of_the_floorplan_is_in_the_design() {
+fn every_bank_is_in_one_block_of_the_floorplan() {
     let place = Place::new();
     let folder = generated(&place);
     let text = std::fs::read_to_string(folder.join("constraints/floorplan.xdc")).unwrap();
-    let cells: Vec<&str> =
-        text.lines().filter_map(|line| line.split_once("[get_cells {core/")?.1.strip_suffix("}]")).collect();
-    assert_eq!(cells.len(), committed("tiny").stages.len(), "{text}");
-    for path in cells {
+    let cells: Vec<&str> = text
+        .lines()
+        .filter_map(|line| line.split_once("[get_cells {")?.1.strip_suffix("}]"))
+        .flat_map(|cells| cells.split(' '))
+        .collect();
+    let banks: BTreeSet<&str> = cells.iter().copied().filter(|cell| cell.ends_with(".lanes")).collect();
+    assert_eq!(banks.len(), committed("tiny").stages().map(|stage| stage.banks()).sum::<usize>(), "{text}");
+    let multipliers: BTreeSet<&str> =
+        cells.iter().map(|cell| cell.strip_prefix("core/").unwrap().rsplit_once('/').unwrap().0).collect();
+    assert_eq!(multipliers.len(), committed("tiny").stages.len(), "{text}");
+    for path in multipliers {
         path.split('/').fold("kc705_core".to_string(), |module, name| {
             let found = parts(&folder, &module).into_iter().find(|(instance, _)| instance == name);
             found.unwrap_or_else(|| panic!("{path}: {module} has no part {name}")).1

@@ -13,6 +13,8 @@
 //! | CRC of frames | [`crc`] |
 //! | random networks and windows (feature `random`) | `random` |
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 pub mod board;
 pub mod crc;
 pub mod design;

@@ -17,6 +17,12 @@
 //! | place | [`floorplan`] | where the stages may be on the KC705's part |
 //! | ahead | [`resources`] | what it takes of an FPGA, before any tool runs |
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+#![allow(
+    clippy::too_many_lines,
+    reason = "rust-hdl translates the body of one function, the kernel of a block"
+)]
+
 pub mod benches;
 pub mod blocks;
 pub mod board;

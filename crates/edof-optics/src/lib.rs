@@ -43,6 +43,8 @@
 //!
 //! Stable: what a camera file means, and the words that a seed gives. Signatures may change between minor versions until 1.0; `examples/lens_to_raw.rs` is kept compiling.
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 pub mod bank;
 mod blur;
 pub mod capture;

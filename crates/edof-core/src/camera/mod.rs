@@ -149,8 +149,8 @@ pub enum CameraError {
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
     /// The text is no camera.
-    #[error("{origin}: not a camera: {}", json::words(source))]
-    Parse { origin: String, source: serde_json::Error },
+    #[error("{origin}: not a camera: {source}")]
+    Parse { origin: String, source: json::JsonError },
     /// What is wrong with the camera of a file.
     #[error("{origin}: {source}")]
     File { origin: String, source: Box<CameraError> },

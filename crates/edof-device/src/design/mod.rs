@@ -103,8 +103,8 @@ pub enum DesignError {
     #[error("{path}: cannot read: {source}")]
     Read { path: String, source: std::io::Error },
     /// No design in the file.
-    #[error("{path}: not a design: {}", json::words(source))]
-    Parse { path: String, source: serde_json::Error },
+    #[error("{path}: not a design: {source}")]
+    Parse { path: String, source: json::JsonError },
     /// What is wrong with the design of a file.
     #[error("{path}: {source}")]
     File { path: String, source: Box<DesignError> },

@@ -212,12 +212,13 @@ const fn score(average_db: f64, worst_db: f64) -> f64 {
 
 impl Plan {
     fn proof(&self) -> Proof {
-        let numbers = (&self.read_noise_e, &self.mean_light, self.window.side(), DEPTHS, FOCUS_STEPS);
+        let numbers = (self.read_noise_e, self.mean_light, self.window.side(), DEPTHS, FOCUS_STEPS);
         Proof {
             settings: Some(settings(&[&numbers])),
             weights: None,
             photo: sha256(format!("{:?}", self.statistics.spectra).as_bytes()),
             camera: Some(sha256(self.coded.to_json().as_bytes())),
+            ..Proof::default()
         }
     }
 

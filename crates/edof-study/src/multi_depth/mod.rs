@@ -262,6 +262,7 @@ impl Experiment for Scenes<'_> {
                         weights: spec.weights().map(str::to_owned),
                         photo: self.scenes[scene].1.clone(),
                         camera: Some(camera.clone()),
+                        ..Proof::default()
                     };
                     let cell = Cell { scene, lens, method, place: cells.len() };
                     cells.push((Key { subject, proof }, cell));
