@@ -17,3 +17,5 @@ if ! "$environment/bin/python" -c 'import numpy, PIL' 2>/dev/null; then
     "$environment/bin/pip" install -q -r tests/oracles/requirements.txt
 fi
 "$environment/bin/python" -B tests/oracles/check.py "$EDOF" "$@"
+# Banks of PSFs as NumPy writes them.
+EDOF_PYTHON=$environment/bin/python cargo test --workspace --locked --test program -- --ignored a_bank_of_any_of_numpys_kinds

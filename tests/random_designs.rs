@@ -241,12 +241,12 @@ fn shared_steps(index: usize) -> Steps {
     Steps { core: index % 5 == 2, cosim: index % 5 == 1, circuit, newest_yosys: None }
 }
 
-/// Ten designs; of other seeds with `EDOF_DESIGN_SEEDS=2,3,…`.
+/// Four designs; of other seeds with `EDOF_DESIGN_SEEDS=2,3,…`.
 #[test]
-fn ten_designs_work_in_every_step() {
+fn four_designs_work_in_every_step() {
     let seeds = std::env::var("EDOF_DESIGN_SEEDS").unwrap_or_else(|_| "1".into());
     for seed in seeds.split(',') {
-        random_designs(seed.parse().unwrap(), 10, false, shared_steps);
+        random_designs(seed.parse().unwrap(), 4, false, shared_steps);
     }
 }
 

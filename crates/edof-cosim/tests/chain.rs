@@ -55,6 +55,7 @@ fn design(form: Form, code_bits: u32, stages: &[(usize, usize)]) -> Design {
         skip_zeros: true,
         stages: stages.iter().map(|(lanes, rows)| StageSize { lanes: *lanes, rows: *rows }).collect(),
         frame: FrameSize { width: 64, height: 48, stride: Stride::PATCH },
+        board: <_>::default(),
     }
 }
 

@@ -180,10 +180,8 @@ fn origin(name: &str) -> Origin {
         focus_psi: 0.0,
         nominal_m: None,
         psi_range: [0.0, 8.0],
-        rings: vec![],
-        profile: None,
-        height_map: None,
-        aberrations: vec![],
+        mask: Default::default(),
+        aberrations: Default::default(),
         psf_bank: None,
         source: "drawn".into(),
     };

@@ -67,6 +67,7 @@ fn designs() -> impl Strategy<Value = Design> {
                 accumulator_bits: 48,
                 skip_zeros,
                 frame: FrameSize { width: 64, height: 48, stride: Stride::PATCH },
+                board: <_>::default(),
             };
             design.check().unwrap();
             design

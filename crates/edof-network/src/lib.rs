@@ -14,6 +14,8 @@
 //!
 //! Stable: weight files of this and earlier versions are read, and their words mean the same (docs/contract.md). Signatures may change between minor versions until 1.0.
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 pub mod fit;
 pub mod fixed_network;
 pub mod float;

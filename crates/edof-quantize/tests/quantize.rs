@@ -11,7 +11,7 @@ use edof_network::float::parameters::flatten;
 use edof_network::float::pass::Pass;
 use edof_network::float::reconstruct::{FloatReconstructor, Output};
 use edof_network::network::{Form, NetworkError, Origin, Recurrence, Shrinkage};
-use edof_optics::sensor::{Sensor, expose};
+use edof_optics::{Sensor, expose};
 use edof_quantize::{
     Calibration, FinetuneOptions, FinetuneProgress, QuantizeError, QuantizeOptions, finetune, fold, quantize,
 };

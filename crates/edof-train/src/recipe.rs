@@ -132,6 +132,10 @@ impl Recipe {
         if self.tone != dataset.tone() {
             return Err(value("tone", self.tone, "the tone that the photos were read in"));
         }
+        if self.structure == Structure::Symmetric && !dataset.is_transposable() {
+            let expected = "free or blocks:SHARE behind a lens whose PSFs are not their own transposes";
+            return Err(value("structure", self.structure, expected));
+        }
         Ok(())
     }
 

@@ -6,19 +6,19 @@ use crate::error::Error;
 use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::lens::{self, Depth, DepthRange, Lens};
-use crate::npz::Npz;
 use crate::said;
 use crate::ui::Ui;
-use edof_core::camera::Camera;
+use edof::job::Npz;
+use edof_core::camera::{Camera, Term};
 use edof_core::words::number;
 use edof_core::{Channel, Tone};
+use edof_optics::Statistics;
 use edof_optics::bank;
-use edof_optics::depth::distance_m;
 use edof_optics::design::{self, Found, Search};
+use edof_optics::distance_m;
 use edof_optics::estimator::{Task, Verdict, judge};
-use edof_optics::mtf::{Footprint, green_cutoff_per_mm, otf, sampled_otf, through_focus};
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
-use edof_optics::statistics::Statistics;
+use edof_optics::{Footprint, green_cutoff_per_mm, otf, sampled_otf, through_focus};
 use edof_study::lens::{contrast_plot, mtf_plot, psf_sheet, without_mask};
 use edof_study::report::picture::png;
 use edof_study::report::plot::side_by_side;
@@ -272,7 +272,7 @@ fn shown(camera: &Camera, psi: f64, psfs: &[Psf; 3]) -> Result<ShownDepth, NoPsf
     })
 }
 
-/// The kernels as a PSF bank (`edof_core::camera::psf_bank`).
+/// The kernels as a PSF bank (`edof_core::camera::PsfBank`).
 fn psf_numbers(camera: &Camera, psis: &[f64], psfs: &[[Psf; 3]]) -> Result<Npz, Error> {
     let kernels: Vec<[&Array2<f32>; 3]> = psfs.iter().map(|p| p.each_ref().map(|psf| psf.kernel())).collect();
     let mut npz = Npz::new();
@@ -401,7 +401,9 @@ impl Design {
     fn base(&self) -> Result<Camera, Error> {
         let mut base = Camera::resolve(&self.camera)?;
         // Another mask has other PSFs.
-        (base.psf_bank, base.height_map) = (None, None);
+        base.psf_bank = None;
+        let is_kept = |term: &Term| !matches!(term, Term::HeightMap(_));
+        base.mask = base.mask.into_terms().into_iter().filter(is_kept).collect();
         base.psi_range = match self.psi_range[..] {
             [] => base.psi_range,
             [low @ Depth::Psi(_), high] | [low, high @ Depth::Psi(_)] => {
