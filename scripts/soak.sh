@@ -112,9 +112,9 @@ rest() {
         $(sed -n 's/^fn \([a-z_]*\).*/--skip \1/p' crates/edof-gpu/tests/device.rs)
 }
 
-# One row of each page of docs/results, measured again to the last bit.
+# One row of each page of docs/results, measured again: every digit of its table is the same.
 results() {
-    cargo build -q --release --locked -p edof-cli && python3 scripts/soak-rows.py "$target/release/edof"
+    cargo build -q --release --locked -p edof-cli && python3 -B scripts/soak-rows.py "$target/release/edof"
 }
 
 # A number with a comma before each three digits.

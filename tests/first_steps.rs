@@ -8,6 +8,10 @@ fn json(place: &Place, name: &str) -> Value {
     serde_json::from_slice(&std::fs::read(place.path(name)).unwrap()).unwrap()
 }
 
+fn json_of(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
 const TRAIN: &str = "train --form one-sided,w8,t2,c16,r --camera clear --images photos --photos all --depths 2 --psi 0:2 --steps 200 --batch 128 \
                      --validate-every 100 --threads 2";
 
@@ -191,6 +195,41 @@ fn a_design_of_ones_own_is_made_checked_and_taken_by_every_command() {
     place
         .edof("design check mine.json --weights paper-t4")
         .refused(&["paper-t4 does not fit design mine", "edof random-network"]);
+}
+
+#[test]
+fn a_design_for_another_board_is_estimated_and_what_the_board_lacks_is_named() {
+    let place = Place::new();
+    let line = "design new --board ulx3s --form w8,t3,c32 --size 640x480 --clock-mhz 100 --out open.json";
+    let promise = &json_of(&place.edof(&format!("{line} --json")).done().out)["promise"];
+    assert!(promise["resources"]["mult18x18d"].as_u64().unwrap() <= 156, "{promise}");
+    assert!(promise["resources"]["dp16kd"].as_u64().unwrap() <= 208, "{promise}");
+    assert_eq!(json(&place, "open.json")["board"], "ulx3s");
+    let check = place.edof("design check open.json").done().out;
+    assert!(check.contains(" MULT18X18D, ") && check.contains("of an LFE5U-85F"), "{check}");
+    assert!(check.contains("screen and input: none on board ulx3s"), "{check}");
+    let estimate = place.edof("estimate --design open.json").done().out;
+    assert!(estimate.contains("DP16KD") && estimate.contains("board ulx3s has no video"), "{estimate}");
+    place.edof("random-network --design open.json --out random.fixed.safetensors").done();
+    let network = "--design open.json --weights random.fixed.safetensors";
+    for (line, message) in [
+        (format!("generate {network} --out out"), "open.json: board ulx3s has no shell to write sources for"),
+        (format!("generate {network} --out out --shell litex"), "board ulx3s has no shell 'litex'"),
+        ("board sim --design open.json".to_owned(), "board ulx3s has no video input"),
+        (
+            "explore --design open.json --weights random.fixed.safetensors --device xc7k325t".to_owned(),
+            "--device xc7k325t: design open is for board ulx3s, which has an lfe5u-85f",
+        ),
+        (
+            format!("{line}2 --clock-mhz 99.999").replace("--clock-mhz 100 ", ""),
+            "--clock-mhz 99.999: must be a clock that an EHXPLLL makes of 25 MHz",
+        ),
+    ] {
+        place.edof(&line).refused(&[message]);
+    }
+    place
+        .write("other.json", include_str!("../designs/tiny.json").replacen('{', "{ \"board\": \"none\",", 1));
+    place.edof("estimate --design other.json").refused(&["board 'none' is unknown, expected kc705 or ulx3s"]);
 }
 
 /// The example of docs/design.md is none of ours, and is a design.

@@ -56,7 +56,7 @@ impl Options {
         } else if rarely(draw, 20) {
             codes = one_of(draw, &[6, 17, 260]);
         }
-        let sided = one_of(draw, &["one-sided", "two-sided"]);
+        let sided = one_of(draw, &["one-sided", "two-sided", "firm"]);
         let mut form = format!("{sided},w{window},t{layers},c{codes}");
         for word in ["r", "tied", "difference"] {
             if rarely(draw, 3) {
@@ -299,7 +299,8 @@ fifties! {
 fn random_options_reach_every_value_of_each_option() {
     let all: Vec<Options> = (0..300).map(|seed| Options::random(seed, true)).collect();
     let words: BTreeSet<&str> = all.iter().flat_map(|options| options.form.split(',')).collect();
-    for word in ["one-sided", "two-sided", "w8", "w12", "w16", "r", "tied", "difference", "c4", "c6"] {
+    for word in ["one-sided", "two-sided", "firm", "w8", "w12", "w16", "r", "tied", "difference", "c4", "c6"]
+    {
         assert!(words.contains(word), "{word}");
     }
     assert!((2..=10).all(|layers| words.contains(format!("t{layers}").as_str())));

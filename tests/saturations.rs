@@ -6,9 +6,9 @@ use edof_core::RawFrame;
 use edof_core::camera::Camera;
 use edof_golden::Golden;
 use edof_network::weight_file;
+use edof_optics::Scene;
+use edof_optics::Sensor;
 use edof_optics::capture::{Approximation, capture};
-use edof_optics::scene::Scene;
-use edof_optics::sensor::Sensor;
 use std::path::{Path, PathBuf};
 
 fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {

@@ -139,7 +139,8 @@ fn difference() {
 
 #[test]
 fn shrink() {
-    for (shrinkage, bits) in [(Shrinkage::OneSided, 16), (Shrinkage::TwoSided, 16), (Shrinkage::OneSided, 9)]
+    for (shrinkage, bits) in
+        Shrinkage::ALL.into_iter().flat_map(|shrinkage| [(shrinkage, 16), (shrinkage, 9)])
     {
         agree(Shrink::new(shrinkage, bits), 5, &[], move |b, draw, _| {
             b.code.next = extreme(draw, bits);

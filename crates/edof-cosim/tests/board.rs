@@ -6,7 +6,7 @@ use edof_cosim::system::{self, TableWords};
 use edof_golden::{Display, scalar};
 use edof_hdl::benches::Recorded;
 use edof_hdl::board::Identity;
-use edof_hdl::kc705::{self, Kc705};
+use edof_hdl::board_project::{self, BoardProject};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -26,7 +26,7 @@ impl Place {
 }
 
 /// The sources of a design with a random network.
-pub fn project(design: &str) -> Kc705 {
+pub fn project(design: &str) -> BoardProject {
     let design = committed(design);
     let network = edof_device::random::for_design(&design, 1);
     let display = Display::default();
@@ -42,17 +42,18 @@ pub fn project(design: &str) -> Kc705 {
     };
     let video = system::recorded(&design, &network, &display).unwrap();
     let recorded = Recorded { windows, patches, video };
-    kc705::project(&design, [&network, &network], &identity, &words.tables(), &recorded).unwrap()
+    let (sets, shell) = ([&network, &network], &design.board.shells[0]);
+    board_project::project(&design, shell, sets, &identity, &words.tables(), &recorded).unwrap()
 }
 
 /// The sources of `tiny` in the folder `out`.
 pub fn generated(place: &Place) -> PathBuf {
-    static PROJECT: LazyLock<Kc705> = LazyLock::new(|| project("tiny"));
+    static PROJECT: LazyLock<BoardProject> = LazyLock::new(|| project("tiny"));
     written(place, &PROJECT)
 }
 
 /// Sources in the folder `out`.
-pub fn written(place: &Place, project: &Kc705) -> PathBuf {
+pub fn written(place: &Place, project: &BoardProject) -> PathBuf {
     let folder = place.path("out");
     let verilog = project.core.verilog.iter().map(|(name, text)| (format!("rtl/{name}"), text));
     let others = project.core.memory.iter().chain(&project.files).map(|(path, text)| (path.clone(), text));

@@ -1,19 +1,15 @@
-//! A floorplan of the calculator on the KC705's part, for users who need one; no step of the build reads the file.
+//! A floorplan of the calculator on a Xilinx part, for users who need one; no step of the build reads the file.
 //!
 //! Each group of eight banks has a block of rows, in the order in which data pass: stage by stage, the highest banks first. Blocks of
 //! neighbours overlap, so that none is full although the part nearly is.
 
 use crate::board::blocks;
+use crate::resources::bank_memories;
 use edof_device::Design;
+use edof_device::board::part::Columns;
 use edof_device::design::stage::GROUP_BANKS;
 use std::fmt::Write;
 
-/// Columns of DSP48E1 in the XC7K325T, each of [`DSP_ROWS`].
-const DSP_COLUMNS: usize = 6;
-/// Rows of DSP48E1; two of them, and one of RAMB36E1, are five rows of slices.
-const DSP_ROWS: usize = 140;
-/// Columns of RAMB36E1; the last one has gaps and is not counted on.
-const RAM_COLUMNS: usize = 7;
 /// Largest share of its places that a block takes, in percent.
 const MAX_FILL: usize = 80;
 
@@ -29,26 +25,26 @@ struct Block {
 }
 
 impl Block {
-    const fn dsp_places(&self) -> usize {
-        self.rows * DSP_COLUMNS
+    const fn dsp_places(&self, columns: Columns) -> usize {
+        self.rows * columns.multipliers.0
     }
 
-    const fn ram_places(&self) -> usize {
-        self.rows / 2 * (RAM_COLUMNS - 1)
+    const fn ram_places(&self, columns: Columns) -> usize {
+        self.rows / 2 * whole_columns(columns)
     }
 }
 
+/// Columns of block memories without gaps: the last one has some and is not counted on.
+const fn whole_columns(columns: Columns) -> usize {
+    columns.memories - 1
+}
+
 /// The blocks of a design whose calculator is inside of the instance `instance`; none if its multipliers are more than the part's.
-fn blocks_of(design: &Design, instance: &str) -> Vec<Block> {
+fn blocks_of(design: &Design, columns: Columns, instance: &str) -> Vec<Block> {
+    let (dsp_columns, dsp_rows) = columns.multipliers;
     let mut blocks = vec![];
     for (plan, stage) in design.stages().zip(blocks::stages(design)) {
-        // A memory of 64 bits that reads at both ports is two of 36 bits.
-        let depth = plan.weight_depth();
-        let rams = if plan.reads_both_ports() {
-            2 * depth.div_ceil(1024)
-        } else {
-            plan.row_words() * depth.div_ceil(512)
-        };
+        let rams = bank_memories(&design.board.part, &plan).memories;
         for group in (0..plan.groups()).rev() {
             let banks = GROUP_BANKS * group..plan.banks().min(GROUP_BANKS * (group + 1));
             let within = format!("{instance}/{}/multipliers", stage.path);
@@ -56,8 +52,8 @@ fn blocks_of(design: &Design, instance: &str) -> Vec<Block> {
                 banks.clone().map(|bank| format!("{within}/banks[{bank}].lanes")).collect();
             let dsps = plan.dsps() / plan.banks() * banks.len();
             let rams = rams * banks.len();
-            let rows = (100 * dsps).div_ceil(MAX_FILL * DSP_COLUMNS);
-            let of_rams = 2 * (100 * rams).div_ceil(MAX_FILL * (RAM_COLUMNS - 1));
+            let rows = (100 * dsps).div_ceil(MAX_FILL * dsp_columns);
+            let of_rams = 2 * (100 * rams).div_ceil(MAX_FILL * whole_columns(columns));
             blocks.push(Block {
                 name: format!("stage_{}_group_{group}", plan.index),
                 cells: format!("{within}/groups[{group}].* {}", lanes.join(" ")),
@@ -69,30 +65,31 @@ fn blocks_of(design: &Design, instance: &str) -> Vec<Block> {
         }
     }
     let all: usize = blocks.iter().map(|block| block.dsps).sum();
-    if all > DSP_COLUMNS * DSP_ROWS || blocks.iter().any(|block| block.rows > DSP_ROWS) {
+    if all > dsp_columns * dsp_rows || blocks.iter().any(|block| block.rows > dsp_rows) {
         return vec![];
     }
     // The middle of each block is where its multipliers would be if all stood evenly over the part.
     let mut before = 0;
     for block in &mut blocks {
-        let middle = (2 * before + block.dsps) * DSP_ROWS / (2 * all);
-        block.first = (middle.saturating_sub(block.rows / 2) & !1).min(DSP_ROWS - block.rows);
+        let middle = (2 * before + block.dsps) * dsp_rows / (2 * all);
+        block.first = (middle.saturating_sub(block.rows / 2) & !1).min(dsp_rows - block.rows);
         before += block.dsps;
     }
     blocks
 }
 
-/// The lines of `floorplan.xdc`, whose calculator is inside of the instance `instance` of the design's top.
+/// Returns the lines of `floorplan.xdc` for a part with these columns, whose calculator is inside of the instance `instance` of the design's
+/// top. Two rows of multipliers, and one of block memories, are five rows of slices.
 #[must_use]
-pub fn lines(design: &Design, instance: &str) -> String {
+pub fn lines(design: &Design, columns: Columns, instance: &str) -> String {
     let mut text = String::from(HEAD);
-    let blocks = blocks_of(design, instance);
+    let blocks = blocks_of(design, columns, instance);
     if blocks.is_empty() {
         text.push_str("\n# This design has more multipliers than the part.\n");
     }
     for block in blocks {
-        let (dsps, rams) = (block.dsp_places(), block.ram_places());
-        let (last, column, ram_column) = (block.first + block.rows - 1, DSP_COLUMNS - 1, RAM_COLUMNS - 1);
+        let (dsps, rams) = (block.dsp_places(columns), block.ram_places(columns));
+        let (last, column, ram_column) = (block.first + block.rows - 1, columns.multipliers.0 - 1, columns.memories - 1);
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
@@ -122,21 +119,25 @@ const HEAD: &str = "\
 mod tests {
     use super::*;
 
-    fn committed(name: &str) -> Design {
+    /// The blocks of a design on the KC705, and that part's columns.
+    fn committed(name: &str) -> (Design, Columns, Vec<Block>) {
         let path = format!("{}/../../designs/{name}.json", env!("CARGO_MANIFEST_DIR"));
-        Design::from_json(&std::fs::read_to_string(path).unwrap()).unwrap()
+        let design = Design::from_json(&std::fs::read_to_string(path).unwrap()).unwrap();
+        let columns = design.board.part.columns.unwrap();
+        let blocks = blocks_of(&design, columns, "core/core");
+        (design, columns, blocks)
     }
 
     #[test]
     fn no_block_is_fuller_than_its_limit_and_all_multipliers_are_in_one() {
         for name in ["kc705", "kc705-slow"] {
-            let design = committed(name);
-            let blocks = blocks_of(&design, "core/core");
+            let (design, columns, blocks) = committed(name);
             for block in &blocks {
-                let (dsps, rams) =
-                    (100 * block.dsps / block.dsp_places(), 100 * block.rams / block.ram_places());
+                let dsps = 100 * block.dsps / block.dsp_places(columns);
+                let rams = 100 * block.rams / block.ram_places(columns);
                 assert!(dsps <= MAX_FILL && rams <= MAX_FILL, "{}: {dsps} %, {rams} %", block.name);
-                assert!(block.first % 2 == 0 && block.first + block.rows <= DSP_ROWS, "{}", block.name);
+                let is_inside = block.first + block.rows <= columns.multipliers.1;
+                assert!(block.first % 2 == 0 && is_inside, "{}", block.name);
             }
             let dsps: usize = blocks.iter().map(|block| block.dsps).sum();
             assert_eq!(dsps, design.stages().map(|plan| plan.dsps()).sum::<usize>());
@@ -147,13 +148,14 @@ mod tests {
     #[test]
     fn blocks_that_share_rows_have_places_together() {
         for name in ["kc705", "kc705-slow"] {
-            let blocks = blocks_of(&committed(name), "core/core");
-            for first in (0..DSP_ROWS).step_by(2) {
-                for end in (first + 2..=DSP_ROWS).step_by(2) {
+            let (_, columns, blocks) = committed(name);
+            let (dsp_columns, dsp_rows) = columns.multipliers;
+            for first in (0..dsp_rows).step_by(2) {
+                for end in (first + 2..=dsp_rows).step_by(2) {
                     let inside = blocks.iter().filter(|b| b.first >= first && b.first + b.rows <= end);
                     let (dsps, rams) = inside.fold((0, 0), |(d, r), b| (d + b.dsps, r + b.rams));
-                    assert!(dsps <= (end - first) * DSP_COLUMNS, "{name} {first}..{end}: {dsps}");
-                    assert!(rams <= (end - first) / 2 * (RAM_COLUMNS - 1), "{name} {first}..{end}: {rams}");
+                    assert!(dsps <= (end - first) * dsp_columns, "{name} {first}..{end}: {dsps}");
+                    assert!(rams <= (end - first) / 2 * whole_columns(columns), "{name} {first}..{end}: {rams}");
                 }
             }
         }

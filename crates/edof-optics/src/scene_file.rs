@@ -73,10 +73,10 @@ impl SceneFile {
     }
 
     /// ```
-    /// use edof_optics::scene_file::SceneFile;
+    /// use edof_optics::SceneFile;
     /// let scene = SceneFile::parse(r#"{"layers": [{"picture": "wall.png", "depth": "3m"}]}"#)?;
     /// assert_eq!(scene.layers.len(), 1);
-    /// # Ok::<(), edof_optics::scene_file::SceneFileError>(())
+    /// # Ok::<(), edof_optics::SceneFileError>(())
     /// ```
     ///
     /// # Errors

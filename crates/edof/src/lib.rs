@@ -3,6 +3,7 @@
 //! | step | module |
 //! |---|---|
 //! | cameras, networks and designs by name | [`presets`] |
+//! | what the commands of the program do, from files to files | [`job`] |
 //! | frames, windows, tone; cameras as data; result files | [`core`] |
 //! | lens and scene to raw frame | [`optics`] |
 //! | files of photographs and of raw frames | [`io`] |
@@ -40,6 +41,7 @@
 
 #![cfg_attr(not(test), warn(unused_crate_dependencies))]
 
+pub mod job;
 pub mod presets;
 
 #[cfg(feature = "hardware")]

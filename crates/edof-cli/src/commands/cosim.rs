@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::lens::Depth;
-use crate::memory as machine;
+use crate::said;
 use crate::ui::Ui;
 use crate::weights;
 use crate::windows::Shot;
@@ -198,7 +198,7 @@ fn patches(args: &Args, design: &Design, network: &FixedNetwork, ui: &Ui) -> Res
     let draw = &mut Draw::new(args.seed);
     if let Some(count) = args.random {
         let bytes = BYTES_A_PATCH + size_of::<i16>() * design.form.window.pixels();
-        machine::check(&format!("--random {count}"), count as f64 * bytes as f64)?;
+        said::memory(&format!("--random {count}"), count as f64 * bytes as f64)?;
         let pixels = design.form.window.pixels();
         let patch = |_| Patch {
             set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },
