@@ -47,7 +47,7 @@ fn advise_needs_no_mask_for_a_narrow_range_in_little_light_and_writes_the_lens()
         run.out
     );
     let camera = Camera::resolve(place.path("lens.json").to_str().unwrap()).unwrap();
-    assert!(!camera.has_mask() && camera.focus_psi == 4.0 && camera.name == "lens");
+    assert!(camera.is_clear() && camera.focus_psi == 4.0 && camera.name == "lens");
     place.photo("photo.png", 64, 48);
     place.edof("capture photo.png --camera lens.json --psi 1 --no-measure --out raw.png").done();
 }

@@ -1,7 +1,6 @@
 //! Lenses that are compared: a camera without its mask, with a mask of the cubic family, with a smaller aperture, with another focus.
 
-use edof_core::camera::Camera;
-use edof_core::camera::height_map::{HeightMap, etched_rad};
+use edof_core::camera::{Camera, HeightMap, Mask, Zernike, etched_rad};
 use ndarray::Array2;
 
 /// Returns the camera closed by `stops`: each halves the aperture's area, and so every ψ. The mask is scaled with the aperture.
@@ -19,14 +18,7 @@ pub fn closed(camera: &Camera, stops: f64) -> Camera {
 /// Returns the camera without its mask and aberrations.
 #[must_use]
 pub fn without_mask(camera: &Camera) -> Camera {
-    Camera {
-        rings: vec![],
-        profile: None,
-        height_map: None,
-        aberrations: vec![],
-        psf_bank: None,
-        ..camera.clone()
-    }
+    Camera { aberrations: Zernike::default(), ..camera.without_mask() }
 }
 
 /// A mask of phase `strength`·(x³ + y³) + `mixed`·(x²y + xy²) over the aperture's radius, symmetric in x and y.
@@ -70,14 +62,14 @@ impl Cubic {
             HeightMap { file: String::new(), white_um, cauchy: GLASS, sha256: String::new(), heights: None };
         let taken = map.take(heights, "mask.png".into(), &camera.name);
         debug_assert!(taken.is_ok());
-        Camera { height_map: Some(map), ..without_mask(camera) }
+        Camera { mask: Mask::from_iter([map]), ..without_mask(camera) }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::depth::psi_metres;
+    use crate::psi_metres;
 
     #[test]
     fn a_stop_halves_light_and_defocus() {
@@ -92,7 +84,8 @@ mod tests {
     fn a_cubic_mask_has_its_phase_but_for_a_constant() {
         let camera = Camera::resolve("clear-mid").unwrap();
         let cubic = Cubic { strength: 2.3, mixed: 0.2 };
-        let map = cubic.on(&camera).height_map.unwrap();
+        let camera = cubic.on(&camera);
+        let map = camera.mask.height_maps().next().unwrap();
         let phase = |x, y| map.at(x, y) * map.white_rad(460.0);
         for (x, y) in [(0.5, 0.1), (-0.3, 0.6), (0.0, -0.9), (0.6, 0.6)] {
             let (found, expected) = (phase(x, y) - phase(0.0, 0.0), cubic.phase_rad(x, y));

@@ -13,7 +13,7 @@ use edof_io::samples::Samples;
 use edof_optics::bound::advise::{Advice, Choice, Kind, NETWORK_ERROR_DB, RANKING_ERROR_DB, advise};
 use edof_optics::bound::lenses::Cubic;
 use edof_optics::bound::{Light, Reached};
-use edof_optics::depth::distance_m;
+use edof_optics::distance_m;
 use ndarray::Axis;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -111,7 +111,7 @@ fn written(advice: &Advice, open: &Camera, args: &Args, surface: &Path) -> Resul
         number(open.psi_range[1]),
         number(args.electrons)
     );
-    if let (Kind::Cubic(_), Some(map)) = (advice.advised.kind, &mut camera.height_map) {
+    if let (Kind::Cubic(_), Some(map)) = (advice.advised.kind, camera.mask.height_maps_mut().next()) {
         map.file = surface.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if let Some(heights) = &map.heights {
             let codes = heights.mapv(|v| (v * f32::from(u16::MAX)).round() as u16);

@@ -7,9 +7,9 @@ use crate::lens::{self, Depth, DepthRange, Lens};
 use crate::ui::Ui;
 use edof_core::camera::{Camera, Spectrum};
 use edof_core::words::number;
+use edof_optics::Statistics;
 use edof_optics::bound::Light;
-use edof_optics::depth::psi_at;
-use edof_optics::statistics::Statistics;
+use edof_optics::psi_at;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
