@@ -1,13 +1,13 @@
 //! The limit that no lens passes, and how near to it lenses come: the table of the worked-out bound (docs/results/bound.md quotes its definition).
 
 use edof_core::camera::Camera;
+use edof_optics::Statistics;
 use edof_optics::bound::ceiling::ceilings;
 use edof_optics::bound::judge::{Judge, Sides};
 use edof_optics::bound::lenses::{closed, without_mask};
 use edof_optics::bound::transfer::{Sampling, transfers};
 use edof_optics::bound::wiener::bayer_errors;
 use edof_optics::bound::{Light, Reached, depths};
-use edof_optics::statistics::Statistics;
 
 fn light(electrons: f64) -> Light {
     Light { electrons, read_noise_e: 2.5, mean: Light::MEAN }

@@ -8,7 +8,6 @@ use crate::ui::Ui;
 use edof_core::camera::Camera;
 use edof_core::noise::SensorNoise;
 use edof_core::words::number;
-use edof_io::picture;
 use edof_optics::bound::advise::{Advice, Choice, Kind, NETWORK_ERROR_DB, RANKING_ERROR_DB, advise};
 use edof_optics::bound::lenses::Cubic;
 use edof_optics::bound::{Light, Reached};
