@@ -70,8 +70,8 @@ fn the_worked_out_table_comes_out_within_a_tenth_of_a_decibel() {
         for (i, (clear, coded)) in clear.iter().zip(&coded).enumerate() {
             let ([_, electrons], clear_known, ring_minus, any_minus) = TABLE[3 * index + i];
             let Reached { average_db, worst_db } = clear.known.reached;
-            let [blind, known] = [(coded.blind, clear.blind), (coded.known, clear.known)]
-                .map(|(a, b)| a.reached.minus(b.reached));
+            let [blind, known] = [(coded[0], clear.blind), (coded[1], clear.known)]
+                .map(|(coded, clear)| coded.minus(clear.reached));
             let limit = ceiling[i].bayer_db;
             let found = [
                 [average_db, worst_db, clear.known.stops].to_vec(),

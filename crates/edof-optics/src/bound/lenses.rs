@@ -51,7 +51,7 @@ impl Cubic {
 mod tests {
     use super::*;
     use crate::depth::psi_metres;
-    use edof_core::camera::{PhaseTerm, Place};
+    use edof_core::camera::Place;
 
     #[test]
     fn a_stop_halves_light_and_defocus() {
