@@ -20,7 +20,8 @@
 #   ablations     docs/results/ablations.md: short trainings by the recipe with one change each  (25 minutes)
 #   classes       docs/results/classes.md: short trainings for classes of noise, of all weights and of the thresholds alone  (10 minutes)
 #   joint         docs/results/joint.md: lenses searched together with a network, and short trainings for each  (25 minutes)
-#   bound         docs/results/bound.*: networks for one noise alone, of the default's form and of one with twice its cost  (25 minutes)
+#   one-noise     docs/results/one-noise.*: networks for one noise alone, of the default's form and of one with twice its cost  (25 minutes)
+#   bound         docs/results/bound.md, docs/figures/bound: what no lens passes, and how near lenses come  (1 minute)
 #   figures       docs/figures: the paper's figure 1, the demo's overview               (2 minutes)
 # Full rows are files of JSON lines in out/rows: a page states the SHA-256 of its file, and docs/results keeps a compact table (scripts/table.py).
 # A release carries out/rows. From a clean tree: every page states its revision. A run that was stopped goes on: rows and pages of this revision stay, those of another
@@ -31,7 +32,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
-parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture aperture-networks colour-scenes colour-training colour tolerances forms ablations classes joint bound layers figures"
+parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture aperture-networks colour-scenes colour-training colour tolerances forms ablations classes joint one-noise bound layers figures"
 # shellcheck disable=SC2086 # parts are several words
 [ $# -gt 0 ] || set -- $parts
 for part in "$@"; do
@@ -389,7 +390,7 @@ alone() {
 }
 
 # What a network for one noise alone gains over that of its class, and what one with more layers and codes does.
-bound() {
+one_noise() {
     local folder=$trained/bound free="--non-zeros none --lambda 3e-5"
     mkdir -p "$folder"
     alone "$folder/one-noise.safetensors" --from edof-t4w12-outer-mid --weighting mse --steps 80000
@@ -399,8 +400,15 @@ bound() {
     alone "$folder/larger.safetensors" --from "$folder/larger-first-round.safetensors" $free --weighting mse --steps 80000
     # shellcheck disable=SC2046
     "$edof" study kodak --tone linear --psi 0,2,4,6,8 --noise 0.01 --stride 8 \
-        --nets "edof-t4w12-outer-mid,$folder/one-noise.safetensors,$folder/larger.safetensors" $(rows bound) $(pages bound)
-    table bound
+        --nets "edof-t4w12-outer-mid,$folder/one-noise.safetensors,$folder/larger.safetensors" $(rows one-noise) $(pages one-noise)
+    table one-noise
+}
+
+# Linear, so that nothing is trained and no photograph is read.
+# shellcheck disable=SC2046
+bound() {
+    is_made docs/results/bound.md ||
+        "$edof" optics bound ring-outer --range 8:0,12:0,16:0,24:0 --electrons 100,1000,10000 --out docs/figures/bound $(pages bound)
 }
 
 # The paper's form with T = 3 to 10, one short training each (half the usual rate, at which T = 10 does not converge), quantized on drawn

@@ -417,7 +417,7 @@ fn errors_of_a_lens_cost_decibels_and_are_measured_once() {
     place.edof("study merge 1 2 --out merged").done();
     assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
     let clear = "study tolerances --net edof-t4w12-clear --images photos";
-    place.edof(clear).refused(&["edof-t4w12-clear", "whose mask has no rings", "edof-t4w12-outer"]);
+    place.edof(clear).refused(&["edof-t4w12-clear", "which has no mask", "edof-t4w12-outer"]);
 }
 
 #[test]

@@ -58,6 +58,10 @@ class Camera:
     def with_aberrations(self, rms_nm: dict[int, float]) -> Camera:
         """The camera with these Zernike terms (Noll's index: root mean square of the optical path in nanometres) in place of its own."""
 
+    def with_mask(self, terms: list[dict[str, object]]) -> Camera:
+        """The camera with these terms as its mask, each as in the list `mask` of a camera file: {"ring": {...}}, {"polynomial": {...}}, ....
+        Pictures of height maps are looked for in the working directory."""
+
     def psi_at(self, metres: float, *, nominal_m: Optional[float] = None) -> float:
         """psi of an object at a distance; psi is 0 at `nominal_m` (default: the camera's)."""
 

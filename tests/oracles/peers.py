@@ -271,6 +271,7 @@ def forward(form, weights, windows):
     shrink = {
         "two-sided": lambda b, theta: np.sign(b) * np.maximum(np.abs(b) - theta, 0),
         "one-sided": lambda b, theta: np.maximum(b - theta, 0),
+        "firm": lambda b, theta: np.sign(b) * np.clip(2 * (np.abs(b) - theta), 0, np.abs(b)),
     }[form["shrinkage"]]
     first = b = windows @ weights["analysis"].T
     before = np.zeros_like(b)

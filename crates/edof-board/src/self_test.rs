@@ -6,7 +6,6 @@ use crate::diagnosis::findings;
 use crate::error::Error;
 use crate::line::Line;
 use edof_device::Design;
-use edof_device::board::CORE_KILOHERTZ;
 use edof_device::crc::{Place, single_bit};
 use edof_device::pattern::Pattern;
 use edof_device::registers::map;
@@ -161,7 +160,7 @@ impl<L: Line> Board<L> {
         }
         let passed: Vec<f64> =
             after.iter().zip(&before).map(|(now, then)| f64::from(now.wrapping_sub(*then))).collect();
-        let core = f64::from(CORE_KILOHERTZ) / 1e3;
+        let core = f64::from(test.design.board.core_khz) / 1e3;
         let megahertz = |clock: usize| passed[clock] / passed[0].max(1.0) * core;
         let told = format!(
             "at {core} MHz of the core: screen {:.2} MHz, input {:.2} MHz",

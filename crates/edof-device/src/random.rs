@@ -18,7 +18,7 @@ use crate::Design;
 use edof_core::camera::Camera;
 use edof_core::colour::{OUTPUTS_422, RGB_OUTPUTS};
 use edof_core::draw::Draw;
-use edof_core::number::{INPUT_FRACTION, OUTPUT_FRACTION};
+use edof_core::number::{INPUT_FRACTION, InputWord, OUTPUT_FRACTION};
 use edof_core::overlap::Overlap;
 use edof_core::{Stride, Window};
 use edof_network::fixed_network::FixedMatrix;
@@ -26,9 +26,9 @@ use edof_network::network::{Form, Origin, Recurrence, Shrinkage};
 use edof_network::{FixedNetwork, Network};
 use ndarray::{Array1, Array2};
 
-/// Input words of one window: all of them 0…32767, often at the ends.
-pub fn extreme_window(draw: &mut Draw, pixels: usize) -> Vec<i16> {
-    (0..pixels).map(|_| draw.extreme(16).max(0)).collect()
+/// Input words of one window: all of them 0 or more, often at the ends.
+pub fn extreme_window(draw: &mut Draw, pixels: usize) -> Vec<InputWord> {
+    (0..pixels).map(|_| InputWord::from_bits(draw.extreme(16).max(0))).collect()
 }
 
 /// A network of the given form whose weights and thresholds lie anywhere in their range, mostly at its ends. Its fraction bits
@@ -57,12 +57,7 @@ pub fn extreme(form: Form, code_bits: u32, stride: Stride, tight: bool, seed: u6
     let dictionary = matrix(OUTPUTS_422, form.codes, dictionary);
     let linear_path = form.linear_path.then(|| matrix(OUTPUTS_422, pixels, linear));
     let thresholds = (0..form.shrinkages())
-        .map(|_| {
-            Array1::from_shape_fn(form.codes, |_| match form.shrinkage {
-                Shrinkage::OneSided => draw.extreme(code_bits),
-                Shrinkage::TwoSided => draw.extreme(code_bits).max(0),
-            })
-        })
+        .map(|_| Array1::from_shape_fn(form.codes, |_| form.shrinkage.legal(draw.extreme(code_bits))))
         .collect();
     FixedNetwork {
         form,
@@ -185,10 +180,8 @@ fn origin(name: &str) -> Origin {
         focus_psi: 0.0,
         nominal_m: None,
         psi_range: [0.0, 8.0],
-        rings: vec![],
-        profile: None,
-        height_map: None,
-        aberrations: vec![],
+        mask: Default::default(),
+        aberrations: Default::default(),
         psf_bank: None,
         source: "drawn".into(),
     };

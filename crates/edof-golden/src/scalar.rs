@@ -2,18 +2,18 @@
 //! [`edof_network::fixed_network`]. Slow and plain on purpose; [`crate::fast`] must give the same [`Trace`].
 
 use crate::trace::{LayerWords, StageCounts, Trace};
-use edof_core::number::{requantize, saturate};
+use edof_core::number::{InputWord, OutputWord, bits_of, requantize, saturate};
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::FixedMatrix;
-use edof_network::network::{Recurrence, Shrinkage};
+use edof_network::network::Recurrence;
 
 /// Bits of an output word.
 const OUTPUT_BITS: u32 = 16;
 
 /// Runs the network on a window's input words (`window.pixels()` of them) and keeps every boundary.
 #[must_use]
-pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
-    let bits = network.code_bits;
+pub fn run(network: &FixedNetwork, window: &[InputWord]) -> Trace {
+    let (y, code_bits) = (bits_of(window), network.code_bits);
     let shift = network.analysis_shift();
     let mut layers: Vec<LayerWords> = Vec::with_capacity(network.form.shrinkages());
     let mut stages = vec![StageCounts::default(); network.form.layers];
@@ -23,7 +23,7 @@ pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
         let b: Vec<i16> = (0..network.form.codes)
             .map(|row| {
                 let (word, saturated) = if t == 0 {
-                    requantize(product(&network.analysis, row, y), shift, bits)
+                    requantize(product(&network.analysis, row, y), shift, code_bits)
                 } else {
                     let (before, shifts) = (&layers[t - 1], network.middle_shifts(t - 1));
                     let base = match network.form.recurrence {
@@ -31,7 +31,7 @@ pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
                         Recurrence::Difference => before.b[row],
                     };
                     let sum = product(network.recurrent_matrix(t - 1), row, &before.sent);
-                    requantize((i64::from(base) << shifts.base) + sum, shifts.result, bits)
+                    requantize((i64::from(base) << shifts.base) + sum, shifts.result, code_bits)
                 };
                 counts.saturated_results += u64::from(saturated);
                 word
@@ -41,7 +41,7 @@ pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
             .iter()
             .zip(&network.thresholds[t])
             .map(|(&b, &theta)| {
-                let (word, saturated) = shrink(network.form.shrinkage, b, theta, bits);
+                let (word, saturated) = network.form.shrinkage.word(b, theta, code_bits);
                 counts.saturated_codes += u64::from(saturated);
                 word
             })
@@ -50,7 +50,7 @@ pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
             (0..z.len())
                 .map(|i| {
                     let before = if t == 0 { 0 } else { layers[t - 1].z[i] };
-                    let (word, saturated) = saturate(i64::from(z[i]) - i64::from(before), bits);
+                    let (word, saturated) = saturate(i64::from(z[i]) - i64::from(before), code_bits);
                     counts.saturated_differences += u64::from(saturated);
                     word
                 })
@@ -71,10 +71,10 @@ pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
             let linear = network.linear_path.as_ref().map_or(0, |r| product(r, row, y) << shifts.linear_path);
             let (word, saturated) = requantize(dictionary + linear, shifts.result, OUTPUT_BITS);
             counts.saturated_results += u64::from(saturated);
-            word
+            OutputWord::from_bits(word)
         })
         .collect();
-    Trace { input: y.to_vec(), layers, output, stages }
+    Trace { input: window.to_vec(), layers, output, stages }
 }
 
 /// Whether stage `t` (0 = I) sends z_t − z_{t−1}: in the difference form, where the next stage is an M.
@@ -83,41 +83,7 @@ pub fn sends_difference(network: &FixedNetwork, t: usize) -> bool {
     network.form.recurrence == Recurrence::Difference && t + 1 < network.form.shrinkages()
 }
 
-/// The soft threshold on a pre-activation of `bits` bits. The second value is whether it saturated.
-#[must_use]
-pub fn shrink(shrinkage: Shrinkage, b: i16, theta: i16, bits: u32) -> (i16, bool) {
-    let (b, theta) = (i64::from(b), i64::from(theta));
-    match shrinkage {
-        Shrinkage::TwoSided => saturate(b.signum() * (b.abs() - theta).max(0), bits),
-        Shrinkage::OneSided => saturate((b - theta).max(0), bits),
-    }
-}
-
 /// Σ w·v over one row.
 fn product(matrix: &FixedMatrix, row: usize, v: &[i16]) -> i64 {
     matrix.weights.row(row).iter().zip(v).map(|(w, v)| i64::from(i32::from(*w) * i32::from(*v))).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use Shrinkage::{OneSided, TwoSided};
-
-    #[test]
-    fn two_sided_shrinkage_pulls_both_signs_to_zero() {
-        assert_eq!([5, 3, 0, -3, -5].map(|b| shrink(TwoSided, b, 3, 16).0), [2, 0, 0, 0, -2]);
-        assert_eq!(shrink(TwoSided, i16::MIN, 0, 16), (i16::MIN, false));
-    }
-
-    #[test]
-    fn one_sided_shrinkage_passes_what_exceeds_a_threshold_of_any_sign() {
-        assert_eq!([5, 3, -5].map(|b| shrink(OneSided, b, 3, 16).0), [2, 0, 0]);
-        assert_eq!([5, -3, -5].map(|b| shrink(OneSided, b, -4, 16).0), [9, 1, 0]);
-    }
-
-    #[test]
-    fn one_sided_shrinkage_saturates_at_the_code_width() {
-        assert_eq!(shrink(OneSided, 120, -20, 8), (127, true));
-        assert_eq!(shrink(OneSided, i16::MAX, i16::MIN, 16), (i16::MAX, true));
-    }
 }

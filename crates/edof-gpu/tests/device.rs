@@ -16,13 +16,13 @@ fn device() -> Device {
     Device::open(None).unwrap_or_else(|error| panic!("nothing to compare with: {error}"))
 }
 
-/// Eight forms that between them have every flag, window and kind of length.
+/// Eight forms that between them have every flag, shrinkage, window and kind of length.
 fn forms() -> impl Iterator<Item = Form> {
     (0..8).map(|i| Form {
         window: Window::new([8, 12, 16][i % 3]).unwrap(),
         codes: [192, 33, 8, 61, 128, 1, 250, 100][i],
         layers: [4, 2, 10, 3, 5, 6, 4, 7][i],
-        shrinkage: if i % 2 == 0 { Shrinkage::OneSided } else { Shrinkage::TwoSided },
+        shrinkage: Shrinkage::ALL[i % Shrinkage::ALL.len()],
         recurrence: if i / 2 % 2 == 0 { Recurrence::Direct } else { Recurrence::Difference },
         linear_path: i % 3 != 1,
         tied: i / 4 == 1,
@@ -42,7 +42,7 @@ fn every_boundary_of_extreme_windows_is_the_processors() {
         let device = device();
         let bits = [16, 8, 12, 15][i % 4];
         let network = edof_device::random::extreme(form, bits, Stride::PATCH, i == 3, i as u64);
-        let windows: Vec<i16> =
+        let windows: Vec<_> =
             (0..70).flat_map(|_| edof_device::random::extreme_window(draw, form.window.pixels())).collect();
         let traces = GpuGolden::new(device, network.clone(), "").unwrap().traces(&windows).unwrap();
         for (patch, (here, there)) in traces.iter().zip(Fast::new(network).traces(&windows)).enumerate() {

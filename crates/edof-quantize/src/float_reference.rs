@@ -5,11 +5,11 @@
 
 use crate::fold::Folded;
 use edof_core::colour::OUTPUTS_422;
-use edof_core::number::{INPUT_FRACTION, OUTPUT_FRACTION};
+use edof_core::number::{InputWord, OUTPUT_FRACTION, input_value};
 use edof_network::FixedNetwork;
 use edof_network::float::matmul::{Destination, Mat, product};
 use edof_network::float::real::Real;
-use edof_network::network::{Form, Recurrence, Shrinkage};
+use edof_network::network::{Form, Recurrence};
 
 /// Bits of an output word.
 const OUTPUT_BITS: u32 = 16;
@@ -63,13 +63,12 @@ impl<T: Real> FloatReference<T> {
         }
     }
 
-    /// Runs windows of input words (0…32767, `window.pixels()` of them each).
+    /// Runs windows of input words (0 or more, `window.pixels()` of them each).
     #[must_use]
-    pub fn run(&self, windows: &[i16]) -> Values<T> {
+    pub fn run(&self, windows: &[InputWord]) -> Values<T> {
         let (codes, pixels) = (self.form.codes, self.form.window.pixels());
         let count = windows.len() / pixels;
-        let unit = (-f64::from(INPUT_FRACTION)).exp2();
-        let y: Vec<T> = windows.iter().map(|word| T::of(f64::from(*word) * unit)).collect();
+        let y: Vec<T> = windows.iter().map(|word| T::of(input_value(*word).into())).collect();
         let y = Mat::new(&y, count, pixels);
         let times = |left: &[T], width: usize, matrix: &[T], rows: usize, onto: Option<&[T]>| {
             let mut out = onto.map_or_else(|| vec![T::zero(); count * rows], <[T]>::to_vec);
@@ -115,12 +114,9 @@ impl<T: Real> FloatReference<T> {
     }
 
     fn shrunk(&self, t: usize, b: &[T]) -> Vec<T> {
-        let zero = T::zero();
-        let each = |(b, theta): (&T, &T)| match self.form.shrinkage {
-            Shrinkage::OneSided => (*b - *theta).max(zero),
-            Shrinkage::TwoSided => (*b - *theta).max(zero) + (*b + *theta).min(zero),
-        };
-        b.iter().zip(self.thresholds[t].iter().cycle()).map(each).collect()
+        let mut z = b.to_vec();
+        self.form.shrinkage.apply(b, &self.thresholds[t], &mut z);
+        z
     }
 
     /// Holds values to the ends of stage `t`'s range; how many were beyond.
@@ -140,29 +136,29 @@ impl<T: Real> FloatReference<T> {
 mod tests {
     use super::*;
     use edof_core::draw::Draw;
+    use edof_core::number::bits_of;
     use edof_core::{Stride, Window};
     use edof_golden::scalar;
+    use edof_network::network::Shrinkage;
 
     /// Where no shift rounds, integers and real numbers are the same, saturations and all.
     #[test]
     fn without_rounding_the_twin_equals_the_integers() {
-        for (seed, flags) in
-            (0..16u64).map(|seed| (seed, [seed & 1, seed & 2, seed & 4, seed & 8].map(|f| f != 0)))
-        {
+        for (seed, flags) in (0..16u64).map(|seed| (seed, [seed & 2, seed & 4, seed & 8].map(|f| f != 0))) {
             let form = Form {
                 window: Window::new(8).unwrap(),
                 codes: 6,
                 layers: 2 + (seed % 4) as usize,
-                shrinkage: if flags[0] { Shrinkage::OneSided } else { Shrinkage::TwoSided },
-                recurrence: if flags[1] { Recurrence::Difference } else { Recurrence::Direct },
-                linear_path: flags[2],
-                tied: flags[3],
+                shrinkage: Shrinkage::ALL[seed as usize % Shrinkage::ALL.len()],
+                recurrence: if flags[0] { Recurrence::Difference } else { Recurrence::Direct },
+                linear_path: flags[1],
+                tied: flags[2],
             };
             let fixed = edof_device::random::extreme(form, 12, Stride::PATCH, true, seed);
             let twin = FloatReference::<f64>::new(&fixed, &Folded::of(&fixed));
             let y = edof_device::random::extreme_window(&mut Draw::new(seed), 64);
             let (trace, values) = (scalar::run(&fixed, &y), twin.run(&y));
-            let words = trace.layers.iter().map(|layer| &layer.b).chain([&trace.output]);
+            let words = trace.layers.iter().map(|layer| &layer.b[..]).chain([bits_of(&trace.output)]);
             let fractions = fixed.code_fractions.iter().chain([&OUTPUT_FRACTION]);
             for ((words, fraction), values) in words.zip(fractions).zip(&values.stages) {
                 let unit = (-f64::from(*fraction)).exp2();
@@ -189,15 +185,15 @@ mod tests {
     #[test]
     fn every_word_and_every_saturation_is_that_of_the_integers_where_nothing_is_rounded() {
         for seed in 0..64u64 {
-            let flags = [1, 2, 4, 8].map(|bit| seed & bit != 0);
+            let flags = [2, 4, 8].map(|bit| seed & bit != 0);
             let form = Form {
                 window: Window::new(8).unwrap(),
                 codes: 6,
                 layers: 2 + (seed / 3 % 4) as usize,
-                shrinkage: if flags[0] { Shrinkage::OneSided } else { Shrinkage::TwoSided },
-                recurrence: if flags[1] { Recurrence::Difference } else { Recurrence::Direct },
-                linear_path: flags[2],
-                tied: flags[3],
+                shrinkage: Shrinkage::ALL[seed as usize % Shrinkage::ALL.len()],
+                recurrence: if flags[0] { Recurrence::Difference } else { Recurrence::Direct },
+                linear_path: flags[1],
+                tied: flags[2],
             };
             let mut fixed = edof_device::random::extreme(form, 12, Stride::PATCH, true, seed);
             if seed >= 32 {
@@ -211,14 +207,14 @@ mod tests {
             let mut draw = Draw::new(seed);
             let mut window = || {
                 let words = edof_device::random::extreme_window(&mut draw, 64);
-                words.iter().map(|w| (w / divisor) & !1).collect::<Vec<i16>>()
+                words.iter().map(|w| InputWord::from_bits((w.to_bits() / divisor) & !1)).collect::<Vec<_>>()
             };
             let windows = [window(), window()];
             let both = reference.run(&windows.concat());
             let mut clipped = 0;
             for (i, y) in windows.iter().enumerate() {
                 let trace = scalar::run(&fixed, y);
-                let words = trace.layers.iter().map(|layer| &layer.b).chain([&trace.output]);
+                let words = trace.layers.iter().map(|layer| &layer.b[..]).chain([bits_of(&trace.output)]);
                 assert_eq!(both.stages.len(), form.layers);
                 for (t, (words, values)) in words.zip(&both.stages).enumerate() {
                     let expected: Vec<f64> = words.iter().map(|w| f64::from(*w) / 16384.0).collect();

@@ -2,7 +2,6 @@
 
 use edof_core::camera::Camera;
 use edof_core::draw::Draw;
-use edof_core::number::INPUT_FRACTION;
 use edof_core::overlap::Overlap;
 use edof_core::storage::provenance::Provenance;
 use edof_core::{CfaPhase, ColourFrame, Geometry, RawFrame, Reconstructor, Stride, Tone, Window};
@@ -12,7 +11,7 @@ use edof_network::float::parameters::flatten;
 use edof_network::float::pass::Pass;
 use edof_network::float::reconstruct::{FloatReconstructor, Output};
 use edof_network::network::{Form, NetworkError, Origin, Recurrence, Shrinkage};
-use edof_optics::sensor::{Sensor, expose};
+use edof_optics::{Sensor, expose};
 use edof_quantize::{
     Calibration, FinetuneOptions, FinetuneProgress, QuantizeError, QuantizeOptions, finetune, fold, quantize,
 };
@@ -25,13 +24,13 @@ use proptest::prelude::*;
 use std::ops::ControlFlow;
 
 fn forms() -> impl Strategy<Value = Form> {
-    let flags = (any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>());
+    let flags = (prop::sample::select(&Shrinkage::ALL[..]), any::<bool>(), any::<bool>(), any::<bool>());
     (prop::sample::select(vec![8, 12, 16]), 2usize..=10, flags).prop_map(
-        |(window, layers, (one_sided, difference, linear_path, tied))| Form {
+        |(window, layers, (shrinkage, difference, linear_path, tied))| Form {
             window: Window::new(window).unwrap(),
             codes: 40,
             layers,
-            shrinkage: if one_sided { Shrinkage::OneSided } else { Shrinkage::TwoSided },
+            shrinkage,
             recurrence: if difference { Recurrence::Difference } else { Recurrence::Direct },
             linear_path,
             tied,
@@ -63,7 +62,7 @@ fn network(form: Form, seed: u64) -> Network {
         let mean = row.sum() / pixels as f32;
         row.mapv_inplace(|w| (if i < 4 { 1.0 + 0.5 * w } else { w - mean }) * sizes[i] / pixels as f32);
     }
-    let positive = form.shrinkage == Shrinkage::TwoSided;
+    let positive = !form.shrinkage.allows_negative();
     let thresholds = (0..form.shrinkages())
         .map(|_| {
             Array1::from_shape_fn(form.codes, |i| {
@@ -117,7 +116,7 @@ fn errors(network: &Network, frame: &RawFrame, options: &QuantizeOptions) -> Vec
     let (rows, columns) = g.patches(frame.size().0, frame.size().1);
     for (row, column) in (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))) {
         let y = edof_golden::windows::window(frame, g, row, column);
-        let inputs: Vec<f32> = y.iter().map(|w| f32::from(*w) / (1 << INPUT_FRACTION) as f32).collect();
+        let inputs: Vec<f32> = y.iter().map(|w| w.to_num()).collect();
         let x: Array1<f64> = pass.forward(&weights, &inputs, 1).iter().map(|v| f64::from(*v)).collect();
         let trace = scalar::run(&fixed, &y);
         for (t, codes) in trace.layers.iter().enumerate() {
@@ -130,7 +129,7 @@ fn errors(network: &Network, frame: &RawFrame, options: &QuantizeOptions) -> Vec
         let exact = map.dot(&x);
         let outputs = squares.last_mut().unwrap();
         for (word, exact) in trace.output.iter().zip(&exact) {
-            *outputs += (f64::from(*word) / 16384.0 - exact).powi(2) / 128.0;
+            *outputs += (f64::from(*word) - exact).powi(2) / 128.0;
         }
     }
     squares.iter().map(|s| (s / (rows * columns) as f64).sqrt()).zip(explained).collect()

@@ -8,9 +8,9 @@ use crate::pictures::{self, Names, Part, Picture, Truth};
 use crate::report::picture::{caption, sheet, stacked};
 use edof_core::camera::Camera;
 use edof_core::{ColourFrame, Noise, RawFrame, ReconstructError, Reconstructor, Tone};
+use edof_optics::Scene;
+use edof_optics::Sensor;
 use edof_optics::capture::{Approximation, CaptureError, capture};
-use edof_optics::scene::Scene;
-use edof_optics::sensor::Sensor;
 use serde::Serialize;
 use std::ops::ControlFlow;
 

@@ -16,9 +16,9 @@ use edof_deblur::blind;
 use edof_deblur::hyper_laplacian::Prior;
 use edof_network::float::reconstruct::Output;
 use edof_network::network::{Condition, Form, Recurrence, Shrinkage};
+use edof_optics::Sensor;
 use edof_optics::capture::Approximation;
 use edof_optics::psf::Settings;
-use edof_optics::sensor::Sensor;
 use serde::Serialize;
 use serde_json::Value;
 

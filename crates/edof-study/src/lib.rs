@@ -19,6 +19,7 @@
 //! | | [`knobs`] | what can be left out: a curve for each knob |
 //! | | [`known_blurs`] | blind deconvolution of synthetic blurs |
 //! | | [`aperture`] | a coded lens against smaller apertures of its clear lens, in equal light |
+//! | | [`bound`] | what no lens passes, and how near to it a lens comes |
 //! | | [`tolerances`] | errors of a lens that cost 0.1 dB |
 //! | | [`design`] | foldings of networks that fit the board, and their front |
 //! | | [`demo`] | one scene at four depths through several lenses |
@@ -29,7 +30,10 @@
 //! | | [`pictures`] | pictures of a scene of several depths, judged depth by depth |
 //! | | [`demo_report`] | the demo's verdict and its report |
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 pub mod aperture;
+pub mod bound;
 pub mod demo;
 pub mod demo_report;
 pub mod design;

@@ -4,7 +4,7 @@ use crate::metrics::quality::{Means, columns};
 use crate::metrics::{BORDER, Better, METRICS, Metric, MetricError, Quality, decibel, luma, shown};
 use crate::report::Table;
 use edof_core::{ColourFrame, Tone};
-use edof_optics::scene::Scene;
+use edof_optics::Scene;
 use ndarray::{Array2, ArrayView2, s};
 use serde::{Deserialize, Serialize};
 

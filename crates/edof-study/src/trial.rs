@@ -9,9 +9,9 @@ use edof_core::camera::Camera;
 use edof_core::reconstructor::Multiplications;
 use edof_core::{ColourFrame, Noise, RawFrame, ReconstructError, Reconstruction, Tone};
 use edof_io::photos::Photo;
-use edof_optics::blur::blur_frame;
+use edof_optics::blur_frame;
 use edof_optics::psf::{NoPsf, Psf};
-use edof_optics::sensor::{Sensor, SensorError, expose};
+use edof_optics::{Sensor, SensorError, expose};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

@@ -9,7 +9,7 @@ use crate::structure::Structure;
 use crate::weighting::Weighting;
 use edof_core::Tone;
 use edof_core::words;
-use edof_network::network::{Form, Shrinkage};
+use edof_network::network::Form;
 use edof_optics::psf::Settings;
 use serde::{Deserialize, Serialize};
 
@@ -84,10 +84,7 @@ impl Recipe {
             weighting: Weighting::Root,
             batch: 512,
             steps: 40_000,
-            rate: match form.shrinkage {
-                Shrinkage::OneSided => 1.5e-3,
-                Shrinkage::TwoSided => 2e-3,
-            },
+            rate: form.shrinkage.training().rate,
             output_rate: 0.2,
             threshold_rate: 0.15,
             lambda: lambdas(&form),
@@ -134,6 +131,10 @@ impl Recipe {
         }
         if self.tone != dataset.tone() {
             return Err(value("tone", self.tone, "the tone that the photos were read in"));
+        }
+        if self.structure == Structure::Symmetric && !dataset.is_transposable() {
+            let expected = "free or blocks:SHARE behind a lens whose PSFs are not their own transposes";
+            return Err(value("structure", self.structure, expected));
         }
         Ok(())
     }
@@ -255,7 +256,7 @@ fn range(
     limits: std::ops::RangeInclusive<f32>,
     expected: &str,
 ) -> Result<(), RecipeError> {
-    if let Some(wrong) = [low, high].iter().find(|end| !limits.contains(end)) {
+    if let Some(wrong) = [low, high].into_iter().find(|end| !limits.contains::<f32>(end)) {
         return Err(value(field, wrong, expected));
     }
     if low > high { Err(value(field, format!("{low}:{high}"), "the lower end first")) } else { Ok(()) }

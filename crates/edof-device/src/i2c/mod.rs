@@ -20,7 +20,7 @@ pub mod transmitter;
 pub use cause::Cause;
 pub use program::{Action, Entry, SETTINGS, SLOTS, depth, image};
 
-/// The programs of both buses, in the order of `crate::board::I2C_IMAGES`.
+/// Returns the programs of the KC705's buses: its own, the card's.
 #[must_use]
 pub fn programs() -> [Vec<Entry>; 2] {
     [transmitter::program(), receiver::program()]

@@ -15,7 +15,7 @@ use edof_core::storage::provenance::Input;
 use edof_deblur::blind::{self, Estimate, Settings};
 use edof_deblur::hyper_laplacian::hyper_laplacian;
 use edof_io::photos::Photo;
-use edof_optics::blur::blur_frame;
+use edof_optics::blur_frame;
 use kernels::best_shift;
 use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;

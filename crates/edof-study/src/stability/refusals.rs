@@ -9,9 +9,9 @@ use edof_core::{CfaPhase, ColourFrame, Noise, RawFrame, Stride, Tone, Window};
 use edof_golden::{ColourTable, Golden};
 use edof_network::FixedNetwork;
 use edof_network::network::{Form, Recurrence, Shrinkage};
+use edof_optics::Scene;
 use edof_optics::psf::{Psf, Settings, channel_psfs};
-use edof_optics::scene::Scene;
-use edof_optics::sensor::{Sensor, expose};
+use edof_optics::{Sensor, expose};
 use edof_quantize::QuantizeOptions;
 use ndarray::Array2;
 

@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 
 /// What is measured.
 pub struct Plan {
-    /// The camera as designed, whose mask has rings.
+    /// The camera as designed.
     pub camera: Camera,
     /// The network that was trained for it.
     pub method: MethodSpec,
