@@ -253,7 +253,9 @@ impl KeyText for Camera {
             or_none("psf_bank", &literal),
             text("source"),
         ];
-        format!("Camera {{ {} }}", fields.join(", "))
+        // What programs before version 1 did not have.
+        let newer = file.get("mask").map(|terms| format!("mask: {}", literal(terms)));
+        format!("Camera {{ {} }}", fields.into_iter().chain(newer).collect::<Vec<_>>().join(", "))
     }
 }
 
