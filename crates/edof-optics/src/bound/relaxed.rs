@@ -147,6 +147,7 @@ impl Ideal {
 
     /// What an estimate explains of this frequency's variance, and its gradient by the transfers: with the map W held, the error's derivative by
     /// A is −2·Wᴴ·(1 − W·A)·S.
+    #[allow(clippy::needless_range_loop, reason = "indices are those of the formulas")]
     fn gradient(&self, transfer: &Row, noise: f64) -> (f64, Row) {
         let seen = self.seen(transfer);
         let map = wiener_map(&seen, noise);
@@ -171,6 +172,7 @@ impl Ideal {
         (explained, slope)
     }
 
+    #[allow(clippy::needless_range_loop, reason = "indices are those of the formulas")]
     fn seen(&self, transfer: &Row) -> Seen<4, 12> {
         let zero = Complex64::default();
         let mut seen = Seen { yy: [[zero; 4]; 4], xy: [[zero; 4]; 12] };

@@ -100,7 +100,7 @@ pub(super) const fn alias((r, c): (usize, usize), k: usize) -> (usize, usize) {
 /// Half of exp(iπ k·δ): what the place `p` of the mosaic has of the alias `k`.
 pub(super) const fn share(p: usize, k: usize) -> f64 {
     let turns = PLACES[p].0 * PLACES[k].0 + PLACES[p].1 * PLACES[k].1;
-    if turns % 2 == 0 { 0.5 } else { -0.5 }
+    if turns.is_multiple_of(2) { 0.5 } else { -0.5 }
 }
 
 /// Plane of each place of the mosaic.
@@ -197,6 +197,7 @@ pub(super) fn variance(spectra: &[Array2<f64>; 6]) -> f64 {
 }
 
 /// What a blind estimate and one that knows the depth explain of the unknown numbers' variance at one frequency, at each depth.
+#[allow(clippy::needless_range_loop, reason = "indices are those of the formulas")]
 fn explained<const Q: usize, const N: usize>(seen: &[Seen<Q, N>], noise: f64) -> [Vec<f64>; 2] {
     let share = 1.0 / seen.len() as f64;
     let mut mean = Seen { yy: [[ZERO; Q]; Q], xy: [[ZERO; Q]; N] };

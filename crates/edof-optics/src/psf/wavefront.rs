@@ -32,19 +32,20 @@ pub fn room(camera: &Camera, wavelength_nm: f64) -> usize {
 pub fn support(camera: &Camera, wavelength_nm: f64, psi: f64, wanted: usize) -> (usize, f64) {
     let room = room(camera, wavelength_nm);
     let mut support = wanted.min(room);
-    let is_measured = camera.terms().any(|term| term.largest_slope(wavelength_nm).is_none());
-    while is_measured {
+    if camera.terms().all(|term| term.largest_slope(wavelength_nm).is_some()) {
+        return (support, 0.0);
+    }
+    loop {
         let sums = square_sums(&whole_psf(camera, wavelength_nm, psi, support));
         // With room left the middle half of the sides must hold the light, else three quarters.
         let within = if support < room { support / 4 } else { 3 * support / 8 };
         let outside = 1.0 - sums[within];
         match (outside <= OUTSIDE, support < room) {
-            (true, _) => break,
+            (true, _) => return (support, 0.0),
             (false, true) => support *= 2,
             (false, false) => return (support, outside),
         }
     }
-    (support, 0.0)
 }
 
 /// The PSF at one wavelength, integrated over pixels: offset (r, c) from the middle at index (r, c) modulo `support`. Sums to 1.
