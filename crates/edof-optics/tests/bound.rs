@@ -17,9 +17,12 @@ fn camera(name: &str, range: f64) -> Camera {
     Camera { psi_range: [0.0, range], ..Camera::resolve(name).unwrap() }
 }
 
+/// Range and electrons; the clear lens with known depth and its stops; the ring less the clear lens, blind and known; any mask less the clear lens.
+type Row = ([f64; 2], [f64; 3], [f64; 4], [f64; 2]);
+
 /// Far end of the range, electrons; clear lens with the depth known: average, worst, stops closed; ring-outer minus clear, blind, then known;
 /// any mask minus clear at most. dB, as worked out in NumPy before this program had it.
-const TABLE: [([f64; 2], [f64; 3], [f64; 4], [f64; 2]); 12] = [
+const TABLE: [Row; 12] = [
     ([8.0, 100.0], [26.31, 25.79, 0.0], [-0.87, -0.45, -0.89, -0.49], [0.26, 0.78]),
     ([8.0, 1000.0], [30.52, 29.08, 0.0], [-1.08, 0.14, -1.21, -0.11], [0.7, 2.0]),
     ([8.0, 10000.0], [33.82, 33.05, 0.5], [0.06, 0.13, -0.43, -0.04], [1.1, 1.9]),
