@@ -11,8 +11,9 @@ use edof_board::chip_models::source::{Picture, State as Playing};
 use edof_board::chip_models::{Delays, Imageon, Kc705, LowHotPlug, Screen, Source};
 use edof_board::chips::{Bus, ChipRegister};
 use edof_board::link::PATIENCE;
+use edof_board::simulated::chips::{cable, source};
 use edof_core::{DisplayMode, RawFrame, Stride, cable};
-use edof_cosim::system::cables::{self, Cables, Compiled, PACE, cable_timing};
+use edof_cosim::system::cables::{self, Cables, Compiled, PACE};
 use edof_cosim::system::{drawn, leisurely, picture};
 use edof_device::Design;
 use edof_device::board::I2C_IMAGES;
@@ -55,13 +56,13 @@ impl Setup {
     /// A source that sends the raw frame.
     fn source(&self) -> Option<Source> {
         let frame: Picture = self.raw.pixels().iter().map(|word| cable::codes(*word)).collect();
-        Some(Source::new(cable_timing(VideoTiming::of_frame(self.design.frame)), vec![frame]))
+        Some(source(self.design.frame, vec![frame]))
     }
 
     fn start(&self, low: LowHotPlug, seed: u64) -> Cables {
         let delays = Delays::of(PACE.millisecond.into());
         let mut card = Imageon::new(delays);
-        card.set_free_run(cable_timing(VideoTiming::of_frame(self.design.frame)));
+        card.shorten_free_run(cable(VideoTiming::of_frame(self.design.frame)));
         let chips = (Kc705::new(delays, low), card);
         let compiled = Compiled::new(&self.project, &support::options()).unwrap();
         Cables::start(&compiled, leisurely(&self.design), chips, seed).unwrap()
@@ -184,7 +185,10 @@ fn a_receiver_held_in_reset_is_named_and_the_picture_comes_when_it_is_let_go() {
 /// The image of a program that the core runs in place of its own on that bus.
 fn image(bus: usize, actions: impl IntoIterator<Item = Action>) -> (String, String) {
     let words = actions.into_iter().chain([Action::Done]).map(Action::word).chain(std::iter::repeat(0));
-    let text = words.take(depth(&programs()[bus])).map(|word| format!("{word:08x}\n")).collect();
+    let text = words
+        .take(depth(&programs(VideoTiming::P1080_60)[bus]))
+        .map(|word| format!("{word:08x}\n"))
+        .collect();
     (I2C_IMAGES[bus].to_owned(), text)
 }
 

@@ -191,7 +191,7 @@ fn what_is_printed_of_the_board_equals_what_the_kernels_say() {
         let tables = words.tables();
         let identity = Identity { design_hash: 1, weights_hash: 2, frame: (64, 48) };
         let core = EdofCore::new(&design, [&network, &network], &identity, tables.luma, tables.colours);
-        let mut top = Kc705Core::new(core.unwrap(), &PACE);
+        let mut top = Kc705Core::new(core.unwrap(), design.frame, &PACE);
         top.connect_all();
         (emit_literally(&top).unwrap(), emit(&top).unwrap())
     });

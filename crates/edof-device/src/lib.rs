@@ -18,6 +18,7 @@ pub mod crc;
 pub mod design;
 pub mod fifos;
 pub mod i2c;
+pub mod input_timing;
 pub mod mmcm;
 pub mod pattern;
 #[cfg(feature = "random")]

@@ -8,9 +8,11 @@ use crate::project::{self, Project, ProjectError};
 use crate::verilog::{Crossing, emit};
 use crate::video::display::TABLE_IMAGES;
 use edof_device::board::{self, CORE_KILOHERTZ, Clocks, I2C_IMAGES, MadeClock};
-use edof_device::design::Design;
+use edof_device::design::{Design, FrameSize};
 use edof_device::i2c;
+use edof_device::input_timing;
 use edof_device::registers::{c_header, markdown, systemrdl};
+use edof_device::video::VideoTiming;
 use edof_network::FixedNetwork;
 use rust_hdl::prelude::Block;
 use std::fmt::Write;
@@ -77,10 +79,11 @@ fn whole(
     let small = Design { frame: recorded.video.size, ..design.clone() };
     let tried = bare_core(&small, sets, identity, tables)?;
     let core = EdofCore::new(design, sets, identity, tables.luma, tables.colours)?;
-    let mut top = Kc705Core::new(core, &Pace::BOARD);
+    let mut top = Kc705Core::new(core, design.frame, &Pace::BOARD);
     top.connect_all();
     let crossings = emit(&top)?.crossings;
-    let images = project::images(design, sets).into_iter().chain(table_images(tables)).collect();
+    let images =
+        project::images(design, sets).into_iter().chain(table_images(tables, design.frame)).collect();
     let core = project::of_circuit(&mut top, images)?;
     let benches = benches::files(&core, &calculator, &tried, recorded);
     let mut files = files(design, clocks, &core, &crossings, &benches);
@@ -99,9 +102,9 @@ fn bare_core(
     Ok(project::of_circuit(&mut core, vec![])?)
 }
 
-/// Images of the display tables and of the set-up tables.
+/// Images of the display tables, and of the set-up tables for frames of a size.
 #[must_use]
-pub fn table_images(tables: &Tables) -> Vec<(String, String)> {
+pub fn table_images(tables: &Tables, frame: FrameSize) -> Vec<(String, String)> {
     // Codes of 8 bits, encoded light of 12.
     let [red, green, blue] = tables.colours;
     let all = [(tables.luma, 2), (red, 3), (green, 3), (blue, 3)];
@@ -113,7 +116,7 @@ pub fn table_images(tables: &Tables) -> Vec<(String, String)> {
         });
         (path.to_string(), text)
     });
-    let chips = I2C_IMAGES.iter().zip(i2c::programs());
+    let chips = I2C_IMAGES.iter().zip(i2c::programs(VideoTiming::on_the_cable(frame)));
     display.chain(chips.map(|(path, program)| (path.to_string(), i2c::image(&program)))).collect()
 }
 
@@ -150,19 +153,16 @@ fn files(
 
 /// Period of the clock of memory and host.
 const CORE_PERIOD_NS: f64 = 1e6 / CORE_KILOHERTZ as f64;
-/// Nanoseconds before and after the falling edge of the receiver's clock in which its data change, and the board's share.
-const INPUT_CHANGES_NS: [f64; 2] = [1.367, 1.133];
 
 /// A text with a design's clocks in place of their names.
 pub(crate) fn with_clocks(text: &str, Clocks { calculator, screen }: Clocks) -> String {
     let mhz = |khz: u64| (khz as f64 / 1e3).to_string();
-    let falls = screen.period_ns() / 2.0;
-    let [before, after] = INPUT_CHANGES_NS;
+    let [earliest, latest] = input_timing::delays_ns(screen.period_ns());
     let numbers = [
         ("core_mhz", mhz(CORE_KILOHERTZ.into())),
         ("core_period", format!("{CORE_PERIOD_NS:.3}")),
-        ("input_delay_max", format!("{:.3}", falls + after)),
-        ("input_delay_min", format!("{:.3}", falls - before)),
+        ("input_delay_max", format!("{latest:.3}")),
+        ("input_delay_min", format!("{earliest:.3}")),
     ];
     let made = [figures("calculator", calculator), figures("screen", screen)];
     let numbers = numbers.map(|(name, number)| (name.to_owned(), number));
@@ -196,4 +196,34 @@ fn fusesoc(core: &Project, benches: &Benches) -> String {
         .replace("@core_rtl@\n", &list(&mut benches.core_verilog.iter().cloned()))
         .replace("@memory@\n", &memory)
         .replace("@recorded@\n", &tried)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The pin-to-pin figures of 7-series HR pads behind their zero-hold delay at speed grade -2: set-up and hold before the clock's edge
+    /// (DS189 1.10, table 44, XC7S6 to XC7S100).
+    const PADS: [(f64, f64); 5] = [(2.76, -0.40), (2.67, -0.37), (2.66, -0.28), (2.91, -0.33), (2.91, -0.33)];
+
+    #[test]
+    fn the_inputs_constraints_leave_what_the_pads_need() {
+        let sizes = VideoTiming::MODES.map(|mode| (mode.line.active, mode.frame.active));
+        for (width, height) in sizes {
+            let mut design = Design::from_json(include_str!("../../../designs/kc705.json")).unwrap();
+            (design.frame.width, design.frame.height) = (width, height);
+            let clocks = board::clocks(&design).unwrap();
+            let text = with_clocks(BOARD_FILES[0].1, clocks);
+            let delay = |which: &str| -> f64 {
+                let (_, rest) =
+                    text.split_once(&format!("set_input_delay -clock hdmi_rx -{which} ")).unwrap();
+                rest.split(' ').next().unwrap().parse().unwrap()
+            };
+            for (set_up, hold) in PADS {
+                assert!(clocks.screen.period_ns() - delay("max") >= set_up, "{width}x{height}: set-up");
+                assert!(delay("min") >= hold, "{width}x{height}: hold");
+            }
+            assert!(text.contains("set_property IOBDELAY IFD [get_ports {hdmi_rx_data[*]}]"));
+        }
+    }
 }

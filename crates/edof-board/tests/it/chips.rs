@@ -1,6 +1,7 @@
 //! The video chips of a board: how they are in words, their registers, and the receiver's clock where the FPGA samples well.
 
 use crate::common::{board, network, open, tiny};
+use edof_board::align::Align;
 use edof_board::chip_models::{Eye, Screen};
 use edof_board::chips::{Bus, ChipRegister};
 use edof_board::diagnosis::findings;
@@ -8,6 +9,7 @@ use edof_board::{Error, Simulated};
 use std::ops::ControlFlow;
 
 const SECOND: u64 = 1_000_000_000;
+const ALIGN: Align = Align { codes: 200, clocks: true };
 
 fn simulated() -> Simulated {
     let design = tiny();
@@ -101,7 +103,7 @@ fn alignment_lands_inside_of_the_window() {
         let mut simulated = simulated();
         let eye = Eye::drawn(seed);
         simulated.chips().card().set_eye(eye.clone());
-        let alignment = open(&mut simulated).align(200, &mut |_| ControlFlow::Continue(())).unwrap();
+        let alignment = open(&mut simulated).align(ALIGN, &mut |_| ControlFlow::Continue(())).unwrap();
         let (window, middle) = (alignment.window, alignment.window.middle());
         assert!(eye.is_open(window.is_inverted, middle.into()), "{eye:?}: {window:?}");
         let open_taps = (0..32).filter(|tap| eye.is_open(window.is_inverted, *tap)).count();
@@ -123,17 +125,46 @@ fn alignment_lands_inside_of_the_window() {
 }
 
 #[test]
+fn without_a_source_the_receiver_is_aligned_at_the_designs_clock() {
+    let mut simulated = simulated();
+    simulated.chips().plug(false);
+    let eye = Eye::drawn(3);
+    simulated.chips().card().set_eye(eye.clone());
+    let alignment = open(&mut simulated).align(ALIGN, &mut |_| ControlFlow::Continue(())).unwrap();
+    assert!(eye.is_open(alignment.window.is_inverted, alignment.window.middle().into()), "{alignment:?}");
+    assert_eq!(simulated.chips().card().clock_khz(), 148_500);
+}
+
+/// The receiver's own defaults, with which its free run is 640x480: every setting works, and its middle is wrong at the design's clock.
+#[test]
+fn at_another_clock_nothing_is_aligned() {
+    let mut simulated = simulated();
+    simulated.chips().plug(false);
+    let mut board = open(&mut simulated);
+    let mut set = |register, value| {
+        board.write_chip(ChipRegister { bus: Bus::Card, device: 0x4c, register }, value).unwrap();
+    };
+    set(0x00, 0x08);
+    set(0x01, 0x06);
+    let error = board.align(ALIGN, &mut |_| ControlFlow::Continue(())).unwrap_err();
+    let words = "the receiver's clock is 25.18 MHz, the design's 148.50 MHz";
+    assert!(error.to_string().contains(words), "{error}");
+    assert!(error.to_string().contains("1920x1080 at 60 Hz"), "{error}");
+    board.align(Align { clocks: false, ..ALIGN }, &mut |_| ControlFlow::Continue(())).unwrap();
+}
+
+#[test]
 fn without_a_window_or_a_receiver_alignment_says_so_and_changes_nothing() {
     let mut simulated = simulated();
     let mut closed = Eye::wide();
     closed.taps = 0;
     simulated.chips().card().set_eye(closed);
     let before = simulated.chips().card().receiver().clock_phase();
-    let error = open(&mut simulated).align(200, &mut |_| ControlFlow::Continue(())).unwrap_err();
+    let error = open(&mut simulated).align(ALIGN, &mut |_| ControlFlow::Continue(())).unwrap_err();
     assert!(matches!(error, Error::NoWindow { .. }), "{error}");
     assert_eq!(simulated.chips().card().receiver().clock_phase(), before);
     simulated.chips().card().faults().remove(0x70);
     simulated.pass_to(simulated.now() + 2 * SECOND);
-    let error = open(&mut simulated).align(200, &mut |_| ControlFlow::Continue(())).unwrap_err();
+    let error = open(&mut simulated).align(ALIGN, &mut |_| ControlFlow::Continue(())).unwrap_err();
     assert!(matches!(error, Error::NoReceiver { .. }), "{error}");
 }

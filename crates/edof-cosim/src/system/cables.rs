@@ -11,7 +11,7 @@ use edof_board::line::Line;
 use edof_core::storage::atomic::WorkFolder;
 use edof_device::board::CORE_KILOHERTZ;
 use edof_device::registers::identity::{design_hash, weights_hash};
-use edof_device::{Design, video::VideoTiming};
+use edof_device::Design;
 use edof_golden::Display;
 use edof_golden::video::figures::Periods;
 use edof_hdl::board::{EdofCore, Identity, Kc705Core, Pace};
@@ -43,8 +43,8 @@ pub fn project(design: &Design, network: &FixedNetwork, display: &Display) -> Re
     let sets = [network, network];
     spacious(|| {
         let core = EdofCore::new(design, sets, &identity, tables.luma, tables.colours)?;
-        let files = images(design, sets).into_iter().chain(table_images(&tables)).collect();
-        Ok(of_circuit(&mut Kc705Core::new(core, &PACE), files)?)
+        let files = images(design, sets).into_iter().chain(table_images(&tables, design.frame)).collect();
+        Ok(of_circuit(&mut Kc705Core::new(core, design.frame, &PACE), files)?)
     })
 }
 
@@ -292,22 +292,6 @@ impl Cables {
             self.steps(AT_ONCE)?;
         }
         Ok(is_so(self))
-    }
-}
-
-/// The timing of a design's frames as its source sends them and its receiver measures them.
-#[must_use]
-pub fn cable_timing(timing: VideoTiming) -> edof_board::chip_models::Timing {
-    let axis = |axis: edof_device::video::Axis| edof_board::chip_models::hdmi::Axis {
-        active: axis.active,
-        front: axis.front,
-        sync: axis.sync,
-        back: axis.back,
-    };
-    edof_board::chip_models::Timing {
-        line: axis(timing.line),
-        frame: axis(timing.frame),
-        khz: timing.pixel_khz as u32,
     }
 }
 

@@ -5,12 +5,13 @@ use crate::bench::{Actor, ClockId};
 use crate::error::at;
 use crate::verilator::{Library, Model, Options, Start};
 use crate::{Error, Source, work};
-use edof_board::chip_models::hdmi::{Axis, Timing};
 use edof_board::chip_models::{Delays, Imageon, Kc705, LowHotPlug, Pulls, Screen, Wires};
+use edof_board::simulated::chips::cable;
 use edof_core::storage::atomic::WorkFolder;
 use edof_device::board::I2C_IMAGES;
-use edof_device::i2c::{self, image};
-use edof_device::video::{self, VideoTiming};
+use edof_device::design::FrameSize;
+use edof_device::i2c::{self, Entry, image};
+use edof_device::video::VideoTiming;
 use edof_hdl::board::{ChipSetup, EmbeddedSyncs, Pace};
 use edof_hdl::crossing::reset_sync::RESET_CYCLES;
 use std::fs;
@@ -34,8 +35,13 @@ struct Engine {
 }
 
 impl Engine {
-    fn new(bus: usize, folder: &WorkFolder, seed: u64, options: &Options) -> Result<Self, Error> {
-        let program = &i2c::programs()[bus];
+    fn new(
+        program: &[Entry],
+        bus: usize,
+        folder: &WorkFolder,
+        seed: u64,
+        options: &Options,
+    ) -> Result<Self, Error> {
         let source = Source::circuit(&mut ChipSetup::new(&PACE, program, I2C_IMAGES[bus], bus == 1))?;
         let library = Library::build(&source, options)?;
         let start = Start { seed, memory_dir: Some(folder.path().to_path_buf()) };
@@ -103,22 +109,23 @@ pub struct Chips {
 }
 
 impl Chips {
-    /// Beside a core whose frames have this timing.
+    /// Beside a core whose frames have this size.
     ///
     /// # Errors
     /// A tool is missing or rejects the text, or the core lacks a port.
     pub fn new(
         core: &Source,
         clock: ClockId,
-        timing: VideoTiming,
+        frame: FrameSize,
         seed: u64,
         options: &Options,
     ) -> Result<Self, Error> {
         let images = work::folder()?;
-        for (path, program) in I2C_IMAGES.iter().zip(i2c::programs()) {
+        let programs = i2c::programs(VideoTiming::on_the_cable(frame));
+        for (path, program) in I2C_IMAGES.iter().zip(&programs) {
             let path = images.path().join(path);
             path.parent().map_or(Ok(()), fs::create_dir_all).map_err(at(&path))?;
-            fs::write(&path, image(&program)).map_err(at(&path))?;
+            fs::write(&path, image(program)).map_err(at(&path))?;
         }
         let syncs = Source::circuit(&mut EmbeddedSyncs::default())?;
         let of_syncs = ["reset_i", "data_i", "codes_o", "malformed_o"].map(|name| syncs.port(name));
@@ -127,7 +134,7 @@ impl Chips {
         board.attach(Some(Screen::hdmi()));
         let mut card = Imageon::new(Delays::NONE);
         card.set_reset(true);
-        card.set_free_run(cable(timing));
+        card.shorten_free_run(cable(VideoTiming::of_frame(frame)));
         let port = |name: &str| core.port(name);
         let taken = [
             "i2c_done_i",
@@ -144,7 +151,10 @@ impl Chips {
         ];
         Ok(Self {
             clock,
-            engines: [Engine::new(0, &images, seed, options)?, Engine::new(1, &images, seed, options)?],
+            engines: [
+                Engine::new(&programs[0], 0, &images, seed, options)?,
+                Engine::new(&programs[1], 1, &images, seed, options)?,
+            ],
             board,
             card,
             syncs: Library::build(&syncs, options)?.start(&Start { seed, ..Start::default() })?,
@@ -219,11 +229,4 @@ impl Actor for Chips {
         }
         Ok(())
     }
-}
-
-/// A timing as the models of the chips have it.
-fn cable(timing: VideoTiming) -> Timing {
-    let axis =
-        |axis: video::Axis| Axis { active: axis.active, front: axis.front, sync: axis.sync, back: axis.back };
-    Timing { line: axis(timing.line), frame: axis(timing.frame), khz: timing.pixel_khz as u32 }
 }

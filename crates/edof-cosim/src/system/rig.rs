@@ -39,7 +39,7 @@ pub fn project(
         Identity { design_hash: design_hash(design), weights_hash: weights_hash(design, sets[0]), frame };
     spacious(|| {
         let mut core = EdofCore::new(design, sets, &identity, tables.luma, tables.colours)?;
-        let files = images(design, sets).into_iter().chain(table_images(&tables)).collect();
+        let files = images(design, sets).into_iter().chain(table_images(&tables, design.frame)).collect();
         Ok(of_circuit(&mut core, files)?)
     })
 }

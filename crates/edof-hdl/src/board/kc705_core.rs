@@ -9,7 +9,9 @@ use crate::crossing::ResetSync;
 use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiLiteMaster, AxiReadMaster, AxiWriteMaster};
 use edof_device::board::I2C_IMAGES;
+use edof_device::design::FrameSize;
 use edof_device::i2c;
+use edof_device::video::VideoTiming;
 use rust_hdl::prelude::*;
 
 /// The core with what the KC705 has around it: a serial line to the host, two buses of video chips to be set up, and an HDMI receiver
@@ -74,10 +76,10 @@ pub struct Kc705Core {
 }
 
 impl Kc705Core {
-    /// Around that core.
+    /// Around that core, for frames of a size.
     #[must_use]
-    pub fn new(core: EdofCore, pace: &Pace) -> Self {
-        let [board, card] = i2c::programs();
+    pub fn new(core: EdofCore, frame: FrameSize, pace: &Pace) -> Self {
+        let [board, card] = i2c::programs(VideoTiming::on_the_cable(frame));
         let [board_image, card_image] = I2C_IMAGES;
         Self::from_parts(Kc705CoreParts {
             core,
