@@ -18,13 +18,13 @@ module prove #(
     localparam SUM_LATENCY = 7;
     // Takes of a pass that follow the one that releases the next pass but one.
     localparam AFTER_RELEASE = B > 2 + SUM_LATENCY ? 1 + SUM_LATENCY : B - 1;
-    wire may_start, copy, take, last, taken_set;
+    wire released, copy, take, last, taken_set;
     wire [7:0] beat;
     drain #(
         .BEFORE_LAST_TAKE(B - 1), .RELEASE_AT(AFTER_RELEASE), .LAST_BEAT(VECTOR - 1), .NEEDED_CREDITS(B)
     ) dut (
-        .clock_i(clock_i), .reset_i(reset_i), .begins_i(begins_i), .pass_issued_i(pass_issued_i), .set_i(set_i), .credit_return_i(returned_i),
-        .may_start_o(may_start), .copy_o(copy), .take_o(take), .beat_o(beat), .last_o(last), .take_set_o(taken_set)
+        .clock_i(clock_i), .reset_i(reset_i), .pass_issued_i(pass_issued_i), .set_i(set_i), .credit_return_i(returned_i),
+        .release_o(released), .copy_o(copy), .take_o(take), .beat_o(beat), .last_o(last), .take_set_o(taken_set)
     );
 
     (* anyseq *) wire again;
@@ -45,6 +45,7 @@ module prove #(
     reg [4:0] place = 0;
     // Takes that the receiver has not returned; the same, with returns two cycles late.
     reg [5:0] inside = 0, used = 0;
+    reg released_late = 0;
     wire ready = issued[SUM_LATENCY];
     wire [1:0] stand_now = standing + ready;
     wire [1:0] open_now = open + began[0] - (take && left == AFTER_RELEASE + 1);
@@ -52,7 +53,7 @@ module prove #(
         resets <= again ? 0 : runs ? resets : resets + 1;
         assume (reset_i == !runs);
         assume (runs || (!begins_i && !pass_issued_i && !returned_i));
-        assume (!begins_i || (may_start && (!active || pass_issued_i)));
+        assume (!begins_i || (open_now < 2 && (!active || pass_issued_i)));
         assume (!pass_issued_i || active);
         assume (!returned_i || inside != 0);
         assume (!pass_issued_i || pass == 0 || set_i == vector_set);
@@ -62,8 +63,9 @@ module prove #(
         if (pass_issued_i && pass == 0) vector_set <= set_i;
 
         if (!runs) begin
-            {began, issued, returned, standing, left, open, landed, place, inside, used} <= 0;
+            {began, issued, returned, standing, left, open, landed, place, inside, used, released_late} <= 0;
         end else begin
+            released_late <= released;
             began <= {began[7:0], begins_i};
             issued <= {issued[7:0], pass_issued_i};
             issued_set <= {issued_set[7:0], set_i};
@@ -78,7 +80,7 @@ module prove #(
             inside <= inside + take - returned_i;
             used <= used + take - returned[1];
 
-            may: assert (may_start == (open_now < 2));
+            releases: assert (released_late == (take && left == AFTER_RELEASE + 1));
             one_stands: assert (stand_now < 2);
             not_overwritten: assert (landed + began[8] < 2);
             copies: assert (copy == (stand_now != 0 && (left == 0 || (left == 1 && take))));

@@ -1,4 +1,4 @@
-// sequencer, whatever vectors arrive, however often a step is taken from it, and whenever a pass may begin: each vector has all its passes,
+// sequencer, whatever vectors arrive, however often a step is taken from it, and whenever a pass is released: each vector has all its passes,
 // each pass all its steps, in order, of the vector's own slot and rows; a pass begins in the very cycle that the equation of start in
 // docs/calculator.md says, and ends with its last step.
 //
@@ -12,11 +12,11 @@ module prove #(
     input wire        reset_i,
     input wire        arrived_i,
     input wire [11:0] descriptor_i,
-    input wire        may_start_i,
-    input wire        steal_i
+    input wire        release_i,
+    input wire        steal_next_i
 );
     localparam CODES = 3 << TWO_ROWS, PASS_ROWS = 9, SET_ROWS = 21;
-    wire begins, valid_a, valid_b, first, linear, odd, set, pass_issued, finished;
+    wire valid_a, valid_b, first, linear, odd, set, pass_issued, finished;
     wire [8:0] read_row;
     wire [6:0] read_pixels;
     wire [11:0] base, offset;
@@ -24,8 +24,8 @@ module prove #(
         .TWO_ROWS(TWO_ROWS), .HAS_LINEAR(LINEAR != 0), .LINEAR_BEFORE_LAST(LINEAR == 0 ? 0 : LINEAR - 1), .CODES(CODES),
         .PASS_ROWS(PASS_ROWS), .SET_ROWS(SET_ROWS), .LAST_PASS(PASSES - 1)
     ) dut (
-        .clock_i(clock_i), .reset_i(reset_i), .arrived_i(arrived_i), .descriptor_i(descriptor_i), .may_start_i(may_start_i),
-        .steal_i(steal_i), .begins_o(begins), .valid_a_o(valid_a), .valid_b_o(valid_b), .first_o(first), .linear_o(linear), .odd_o(odd),
+        .clock_i(clock_i), .reset_i(reset_i), .arrived_i(arrived_i), .descriptor_i(descriptor_i), .release_i(release_i),
+        .steal_next_i(steal_next_i), .valid_a_o(valid_a), .valid_b_o(valid_b), .first_o(first), .linear_o(linear), .odd_o(odd),
         .set_o(set), .read_row_o(read_row), .read_pixels_o(read_pixels), .base_o(base), .offset_o(offset), .pass_issued_o(pass_issued),
         .finished_o(finished)
     );
@@ -36,7 +36,9 @@ module prove #(
     reg [2:0] waiting = 0, waiting_late = 0, held = 0;
     reg [2:0] pass = 0;
     reg [1:0] slot = 0;
-    reg began_late = 0;
+    reg began_late = 0, steal = 0;
+    // Passes begun and not released.
+    reg [1:0] open = 0;
     // The pass that steps, and the step that is next.
     reg active = 0, is_last = 0;
     reg [4:0] now = 0;
@@ -47,20 +49,24 @@ module prove #(
     wire [2:0] own_steps = now[4:3] + 1;
     wire is_linear = step >= own_steps;
     wire [2:0] place = is_linear ? step - own_steps : step;
-    wire steps = active && !steal_i;
+    wire steps = active && !steal;
     wire ends = steps && step == own_steps + LINEAR - 1;
+    // start[n] is a cycle later: after the last step before, two cycles after start[n - 1], two after the vector came.
+    wire begins = open < 2 && (!active || ends) && !began_late && waiting_late != 0;
     wire pops = begins && pass == PASSES - 1;
     wire [2:0] left = waiting - pops;
     always @(posedge clock_i) begin
         started <= 1;
         assume (started || reset_i);
         // The store: at most four vectors; what it says of them (pair_store.sv, dense_store.sv). Reset there is reset here.
+        assume (!release_i || (open != 0 && !reset_i));
+        steal <= steal_next_i;
         assume (!arrived_i || (held < 4 && !reset_i));
         assume (descriptor_i[11:6] == 0 && descriptor_i[5:4] != 3);
         assume (descriptor_i[3] == (descriptor_i[5:4] == 0));
         assume (!descriptor_i[2] || (descriptor_i[5:4] == 0 && descriptor_i[1]));
         if (reset_i) begin
-            {waiting, waiting_late, held, pass, slot, began_late, active} <= 0;
+            {waiting, waiting_late, held, pass, slot, began_late, active, open} <= 0;
         end else begin
             held <= held + arrived_i - finished;
             waiting <= left + arrived_i;
@@ -70,6 +76,7 @@ module prove #(
             if (arrived_i && left == 1) waits_1 <= arrives;
             if (arrived_i && left == 2) waits_2 <= arrives;
             if (arrived_i && left == 3) waits_3 <= arrives;
+            open <= open + begins - release_i;
             began_late <= begins;
             if (begins) pass <= pops ? 0 : pass + 1;
             if (pops) slot <= slot + 1;
@@ -84,8 +91,6 @@ module prove #(
                 is_last <= pops;
             end
 
-            // start[n] is a cycle later: after the last step before, two cycles after start[n - 1], two after the vector came.
-            begin_when_due: assert (begins == (may_start_i && (!active || ends) && !began_late && waiting_late != 0));
             stepped: assert (valid_a == (steps && (is_linear || !now[2])));
             second: assert (valid_b == (steps && (is_linear || !(step == own_steps - 1 && now[1]))));
             first_step: assert (first == (steps && step == 0));
@@ -99,6 +104,6 @@ module prove #(
             end
         end
         again: cover (started && finished && held == 4 && now_slot == 1 && begins);
-        stolen: cover (started && active && steal_i && step == 1 && now[0]);
+        stolen: cover (started && active && steal && step == 1 && now[0]);
     end
 endmodule

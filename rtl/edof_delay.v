@@ -35,7 +35,7 @@ module edof_delay #(
                 assign tail = row_q[CYCLES-2];
             end
 
-            (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg [WIDTH-1:0] last_q;
+            (* keep = "true", shreg_extract = "no" *) reg [WIDTH-1:0] last_q;
             `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) last_q <= tail;
             assign data_o = last_q;
         end

@@ -33,9 +33,9 @@ module edof_fifo #(
             localparam BITS = $clog2(DEPTH);
 
             (* ram_style = "distributed" *) reg [WIDTH-1:0] memory [0:DEPTH-1];
-            (* keep = "true", dont_touch = "true" *) reg [BITS:0] pushed_q;
-            (* keep = "true", dont_touch = "true" *) reg [BITS:0] popped_q;
-            (* keep = "true", dont_touch = "true" *) reg valid_q;
+            (* keep = "true" *) reg [BITS:0] pushed_q;
+            (* keep = "true" *) reg [BITS:0] popped_q;
+            (* keep = "true" *) reg valid_q;
             reg [WIDTH-1:0] front_q;
 
             wire advance = !valid_q || ready_i;
@@ -45,7 +45,7 @@ module edof_fifo #(
 
             // The word is undefined in reset and in the cycle after it. With three inputs the enable is too large for Yosys to merge it,
             // and ready_i with it, into the logic before each bit.
-            (* keep = "true", dont_touch = "true" *) reg reset_q;
+            (* keep = "true" *) reg reset_q;
             `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) reset_q <= reset_i;
             always @(posedge clock_i) if (advance || reset_q) front_q <= memory[popped_q[BITS-1:0]];
 

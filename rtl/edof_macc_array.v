@@ -77,7 +77,7 @@ module edof_macc_array #(
     assign address[GROUPS] = addresses[PORTS*BITS-1:0];
     assign control[GROUPS] = {copy_i, shift_i};
     // Write enables power up as 0, so that no write corrupts the memory image before reset arrives.
-    (* keep = "true", dont_touch = "true" *) reg enters_q = 1'b0;
+    (* keep = "true" *) reg enters_q = 1'b0;
     `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) enters_q <= write_enable_i;
     assign writes[GROUPS] = enters_q;
     edof_delay #(.WIDTH(20), .CYCLES(1)) place_enters (
@@ -109,7 +109,7 @@ module edof_macc_array #(
                 .data_i(control[group+1]),
                 .data_o(control[group])
             );
-            (* keep = "true", dont_touch = "true" *) reg write_q = 1'b0;
+            (* keep = "true" *) reg write_q = 1'b0;
             `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) write_q <= writes[group+1];
             assign writes[group] = write_q;
             edof_delay #(.WIDTH(20), .CYCLES(1)) place (

@@ -74,14 +74,14 @@ module edof_macc_bank #(
     wire [64*ROWS-1:0] rows;
     // Bit 0 is stored above the others. Otherwise the bits of a sign are at the register's top, where Yosys makes one of them; the
     // multiplier is narrower then, and its sum is not packed into the DSP.
-    (* keep = "true", dont_touch = "true" *) reg [25*ROWS-1:0] rotated_q;
+    (* keep = "true" *) reg [25*ROWS-1:0] rotated_q;
     `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) rotated_q <= {value_i[0], value_i[25*ROWS-1:1]};
     wire [25*ROWS-1:0] value_q = {rotated_q[25*ROWS-2:0], rotated_q[25*ROWS-1]};
-    (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg first_q;
+    (* keep = "true", shreg_extract = "no" *) reg first_q;
     `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) first_q <= first_i;
 
     // Two of each, of 32 loads.
-    (* keep = "true", dont_touch = "true" *) reg [WORDS-1:0] back_low_q, back_high_q;
+    (* keep = "true" *) reg [WORDS-1:0] back_low_q, back_high_q;
     `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
         back_low_q <= back_i;
         back_high_q <= back_i;
@@ -94,9 +94,9 @@ module edof_macc_bank #(
             (* ram_style = "block" *) reg [63:0] weights [0:DEPTH-1];
             localparam IMAGE = {IMAGES, TENS, ONES, "_0.mem"};
             initial if (INIT != "") $readmemh(IMAGE, weights);
-            (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_a_q;
-            (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_b_q;
-            (* keep = "true", dont_touch = "true" *) reg write_low_q = 1'b0, write_high_q = 1'b0;
+            (* keep = "true" *) reg [BITS-1:0] address_a_q;
+            (* keep = "true" *) reg [BITS-1:0] address_b_q;
+            (* keep = "true" *) reg write_low_q = 1'b0, write_high_q = 1'b0;
             `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
                 address_a_q <= (mine || mine_back) ? write_row : address_a_i;
                 address_b_q <= address_b_i;
@@ -117,8 +117,8 @@ module edof_macc_bank #(
             end
             assign rows = {row_b_q, row_a_q};
         end else begin : one_port
-            (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] address_q;
-            (* keep = "true", dont_touch = "true" *) reg [BITS-1:0] write_row_q;
+            (* keep = "true" *) reg [BITS-1:0] address_q;
+            (* keep = "true" *) reg [BITS-1:0] write_row_q;
             `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
                 address_q <= mine_back ? write_row : address_a_i;
                 write_row_q <= write_row;
@@ -129,7 +129,7 @@ module edof_macc_bank #(
                 (* ram_style = "block" *) reg [63:0] weights [0:DEPTH-1];
                 localparam IMAGE = {IMAGES, TENS, ONES, "_", PART, ".mem"};
                 initial if (INIT != "") $readmemh(IMAGE, weights);
-                (* keep = "true", dont_touch = "true" *) reg write_low_q = 1'b0, write_high_q = 1'b0;
+                (* keep = "true" *) reg write_low_q = 1'b0, write_high_q = 1'b0;
                 `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
                     write_low_q <= this_part && !write_half_i;
                     write_high_q <= this_part && write_half_i;
@@ -163,7 +163,7 @@ module edof_macc_bank #(
     always @(posedge clock_i) back_q <= back[0 +: 64] | back[64 +: 64] | back[128 +: 64] | back[192 +: 64];
     assign back_o = back_q;
 
-    (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg copy_q, shift_q;
+    (* keep = "true", shreg_extract = "no" *) reg copy_q, shift_q;
     `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
         copy_q <= copy_i;
         shift_q <= shift_i;
@@ -185,7 +185,7 @@ module edof_macc_bank #(
         for (lane = 0; lane < 4; lane = lane + 1) begin : lanes
             for (row = 0; row < ROWS; row = row + 1) begin : macc
                 wire [47:0] sum;
-                (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg starts_q;
+                (* keep = "true", shreg_extract = "no" *) reg starts_q;
                 `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) starts_q <= first_q;
                 edof_macc multiplier (
                     .clock_i(clock_i),
@@ -194,7 +194,7 @@ module edof_macc_bank #(
                     .value_i(value_q[25*row +: 25]),
                     .sum_o(sum)
                 );
-                (* keep = "true", dont_touch = "true", shreg_extract = "no" *) reg take_sum_q, move_q;
+                (* keep = "true", shreg_extract = "no" *) reg take_sum_q, move_q;
                 `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) begin
                     take_sum_q <= copy_q;
                     move_q <= copy_q || shift_q;

@@ -10,6 +10,8 @@ from math import sqrt
 from pathlib import Path
 from statistics import mean, stdev
 
+import table
+
 SATURATIONS = (0.0, 0.15, 0.3, 0.5, 1.0)
 SCENES, HEIGHT, WIDTH = 5, 256, 384
 NOISE = {"none": "no noise", "0.01": "σ = 0.01", "0.02": "σ = 0.02"}
@@ -109,8 +111,12 @@ def draw_scenes(folder):
 
 
 def rows_of(*files):
-    for file in files:
-        for line in Path(file).read_text().splitlines():
+    """Rows of files of JSON lines and of compact tables."""
+    for file in map(Path, files):
+        if file.suffix == ".csv":
+            yield from ({**row, "psi": float(row["psi"]), "psnr_db": float(row["psnr_db"])} for row in table.read(file))
+            continue
+        for line in file.read_text().splitlines():
             row = json.loads(line)
             if "psnr_db" in row:
                 yield row
@@ -188,7 +194,7 @@ def augmented(folder, folds):
 
 
 def page(folder, revision, kodak, more, folds):
-    names = {"test": "docs/results/kodak-linear.jsonl", "held back": "docs/results/held-back.jsonl"}
+    names = {"test": "docs/results/kodak-linear.csv", "held back": "docs/results/held-back.csv"}
     names |= {kind: folder / f"{kind}.jsonl" for kind in ("train-kodak", "train-more", "scenes")}
     names = {kind: file for kind, file in names.items() if Path(file).exists()}
     own = gains(*names.values())

@@ -20,9 +20,11 @@
 #   ablations     docs/results/ablations.md: short trainings by the recipe with one change each  (25 minutes)
 #   classes       docs/results/classes.md: short trainings for classes of noise, of all weights and of the thresholds alone  (10 minutes)
 #   joint         docs/results/joint.md: lenses searched together with a network, and short trainings for each  (25 minutes)
-#   bound         docs/results/bound.*: networks for one noise alone, of the default's form and of one with twice its cost  (25 minutes)
+#   one-noise     docs/results/one-noise.*: networks for one noise alone, of the default's form and of one with twice its cost  (25 minutes)
+#   bound         docs/results/bound.md, docs/figures/bound: what no lens passes, and how near lenses come  (1 minute)
 #   figures       docs/figures: the paper's figure 1, the demo's overview               (2 minutes)
-# From a clean tree: every page states its revision. A run that was stopped goes on: rows and pages of this revision stay, those of another
+# Full rows are files of JSON lines in out/rows: a page states the SHA-256 of its file, and docs/results keeps a compact table (scripts/table.py).
+# A release carries out/rows. From a clean tree: every page states its revision. A run that was stopped goes on: rows and pages of this revision stay, those of another
 # one are made anew (git has the old ones). A test says which pages are of weights that no longer ship. Reports are in out/. Photographs: $EDOF_KODAK, else ../shared/data/kodak; $EDOF_MORE, else
 # ../shared/data/more. Nothing is trained on the photographs that scripts/held-back.sh names.
 set -euo pipefail
@@ -30,7 +32,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
-parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture aperture-networks colour-scenes colour-training colour tolerances forms ablations classes joint bound layers figures"
+parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture aperture-networks colour-scenes colour-training colour tolerances forms ablations classes joint one-noise bound layers figures"
 # shellcheck disable=SC2086 # parts are several words
 [ $# -gt 0 ] || set -- $parts
 for part in "$@"; do
@@ -50,18 +52,20 @@ made=$target/results/$revision
 more=${EDOF_MORE:-../shared/data/more}
 # Networks of aperture and colour stay from one revision to the next; rows hold the hashes of their weights.
 trained=$target/trained
-mkdir -p out "$made" "$trained"
+mkdir -p out/rows "$made" "$trained"
 
 # Whether a file of rows or a page is of this revision.
 is_made() { grep -qs -e "\"revision\":\"$revision\"" -e "revision \`$revision\`" "$1"; }
 # The file of rows of a study, without rows of another revision.
 rows() {
-    local file=docs/results/$1.jsonl
+    local file=out/rows/$1.jsonl
     is_made "$file" || rm -f "$file"
     echo "--rows $file"
 }
 # Outputs of a study, by its name.
 pages() { echo "--markdown docs/results/$1.md --report out/$1.html"; }
+# The compact table of a file of rows, from which a test makes the page again.
+table() { python3 scripts/table.py "out/rows/$1.jsonl" > "docs/results/$1.csv"; }
 
 # Those trained for the paper's convention; of real light also those trained for it.
 declare -A nets
@@ -115,7 +119,7 @@ quote_verdict() {
 photographs_of() {
     local page=docs/results/kodak-$1.md
     "$edof" study kodak --tone "$1" --nets "${nets[$1]}" --psi 0,2,4,6,8 --stride 8 $(rows "kodak-$1") $(pages "kodak-$1")
-    rm -f "docs/results/kodak-$1.json"
+    table "kodak-$1"
     quote README.md "$page"
     quote docs/results.md "$page"
     [ "$1" = srgb ] || { quote_verdict README.md kodak-linear; quote_verdict docs/results.md kodak-linear; }
@@ -126,6 +130,7 @@ photographs_of() {
 unseen() {
     "$edof" study kodak --images "$more" --photos "${2//more/}" --tone linear --nets "$classes" --psi 0,2,4,6,8 \
         --stride 8 $(rows "$1") $(pages "$1")
+    table "$1"
     quote_verdict README.md "$1"
     quote_verdict docs/results.md "$1"
 }
@@ -136,20 +141,20 @@ speed() {
     "$edof" study single-depth $(rows single-depth) --noise none,0.01 --stride 8 > /dev/null
     "$edof" study single-depth $(rows single-depth) --noise none --stride 4,2 --methods omp,omp-known $(pages single-depth) \
         --plot docs/figures/speed.svg
-    rm -f docs/results/single-depth.json
+    table single-depth
 }
 
 # shellcheck disable=SC2046
 overlap() {
     "$edof" study single-depth $(rows overlap) --noise none --stride 4 \
         --methods omp,omp-known,fista,fista-known,untrained,untrained-dc-removed $(pages overlap)
+    table overlap
 }
 
-# Its rows hold the pictures and stay out of docs.
+# Its rows hold the pictures.
 # shellcheck disable=SC2046
 depths() {
     "$edof" study multi-depth --rows "$made/multi-depth.jsonl" $(pages multi-depth) --csv docs/results/multi-depth.csv
-    rm -f docs/results/multi-depth.json
 }
 
 # shellcheck disable=SC2046
@@ -159,12 +164,16 @@ blind() {
         page=blind${set/test/}
         page=${page/train/-train}
         "$edof" study blind --photos "$set" --side 15 $(rows "$page") $(pages "$page")
+        table "$page"
         grep -q "Lost more than 1 dB: none" "docs/results/$page.md" || fail "docs/results/$page.md: blind deconvolution diverges on a photograph"
     done
 }
 
 # shellcheck disable=SC2046
-knobs() { "$edof" study knobs --photos 1,13,20 $(rows knobs) $(pages knobs); }
+knobs() {
+    "$edof" study knobs --photos 1,13,20 $(rows knobs) $(pages knobs)
+    table knobs
+}
 
 # shellcheck disable=SC2046
 design() {
@@ -193,7 +202,10 @@ short_network() {
 }
 
 # shellcheck disable=SC2046
-aperture() { "$edof" study aperture $(rows aperture) $(pages aperture); }
+aperture() {
+    "$edof" study aperture $(rows aperture) $(pages aperture)
+    table aperture
+}
 
 # Networks for two classes of light behind each lens: gain 1 to 10 and 10.5 to 105 behind the open aperture, more behind a smaller one. So each gain
 # that is compared (1, 3.3, 10, 33, 100) is of one class, at every aperture the same. No window is without noise. Those with most to say come first. A
@@ -219,14 +231,15 @@ aperture_networks() {
         short_network "$folder/$name.safetensors" "" --camera "$folder/cameras/$lens.json" --tone srgb --gain "$gain" --noiseless 1000000 --no-cache
     done
     "$edof" study aperture-networks --networks "$folder" $(rows aperture-networks) $(pages aperture-networks)
+    table aperture-networks
 }
 
 # Gains by the correlation of colours, of what has rows; photographs that the networks were not trained on have theirs in docs/results.
-colour() { python3 scripts/colour.py page "$made/colour" "$revision" "$photographs" "$more" "${folds[@]}" > docs/results/colour.md; }
+colour() { python3 -B scripts/colour.py page "$made/colour" "$revision" "$photographs" "$more" "${folds[@]}" > docs/results/colour.md; }
 
 plain_study=(study kodak --tone linear --psi 0,2,4,6,8 --stride 8)
 colour_scenes() {
-    python3 scripts/colour.py scenes "$made/colour/scenes"
+    python3 -B scripts/colour.py scenes "$made/colour/scenes"
     "$edof" "${plain_study[@]}" --nets "$classes" --images "$made/colour/scenes" --photos all --rows "$made/colour/scenes.jsonl" > /dev/null
     colour
 }
@@ -251,7 +264,10 @@ colour_training() {
 }
 
 # shellcheck disable=SC2046
-tolerances() { "$edof" study tolerances --net "$(by_noise outer)" --psi 0,2,4,6,8 --noise none,0.01 $(rows tolerances) $(pages tolerances); }
+tolerances() {
+    "$edof" study tolerances --net "$(by_noise outer)" --psi 0,2,4,6,8 --noise none,0.01 $(rows tolerances) $(pages tolerances)
+    table tolerances
+}
 
 # One short training for each line of NAME OPTIONS (8,000 steps, seed 1, the default's camera; else the recipe of scripts/weights.sh), and a
 # page with a row for each: short_trainings PAGE LINE...
@@ -374,7 +390,7 @@ alone() {
 }
 
 # What a network for one noise alone gains over that of its class, and what one with more layers and codes does.
-bound() {
+one_noise() {
     local folder=$trained/bound free="--non-zeros none --lambda 3e-5"
     mkdir -p "$folder"
     alone "$folder/one-noise.safetensors" --from edof-t4w12-outer-mid --weighting mse --steps 80000
@@ -384,8 +400,15 @@ bound() {
     alone "$folder/larger.safetensors" --from "$folder/larger-first-round.safetensors" $free --weighting mse --steps 80000
     # shellcheck disable=SC2046
     "$edof" study kodak --tone linear --psi 0,2,4,6,8 --noise 0.01 --stride 8 \
-        --nets "edof-t4w12-outer-mid,$folder/one-noise.safetensors,$folder/larger.safetensors" $(rows bound) $(pages bound)
-    rm -f docs/results/bound.json
+        --nets "edof-t4w12-outer-mid,$folder/one-noise.safetensors,$folder/larger.safetensors" $(rows one-noise) $(pages one-noise)
+    table one-noise
+}
+
+# Linear, so that nothing is trained and no photograph is read.
+# shellcheck disable=SC2046
+bound() {
+    is_made docs/results/bound.md ||
+        "$edof" optics bound ring-outer --range 8:0,12:0,16:0,24:0 --electrons 100,1000,10000 --out docs/figures/bound $(pages bound)
 }
 
 # The paper's form with T = 3 to 10, one short training each (half the usual rate, at which T = 10 does not converge), quantized on drawn

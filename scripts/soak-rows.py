@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures one row of each page of docs/results again and compares it to the last bit, times and memory aside: scripts/soak-rows.py EDOF [PAGE]...
+"""Measures one row of each page of docs/results again and compares it in all digits of its table, times and memory aside: scripts/soak-rows.py EDOF [PAGE]...
 
 EDOF is the program. A page that differs is named with the field, and the exit status is then 1. Not among them: forms.md, layers.md,
 ablations.md, classes.md, joint.md, bound.*, aperture-networks.* and colour.md, whose rows are of networks that scripts/results.sh trains.
@@ -7,34 +7,23 @@ Photographs: $EDOF_KODAK, else ../shared/data/kodak.
 """
 
 import csv
-import json
 import os
 import pathlib
 import subprocess
 import sys
 import tempfile
 
+import table
+
 RESULTS = pathlib.Path(__file__).resolve().parent.parent / "docs" / "results"
 # What no two runs agree about, and what older rows do not have.
 UNEQUAL = ("seconds", "repetitions", "memory", "place", "_sha256", "range", "crop")
 
 
-def rows_of(path):
-    """Rows of a file of JSON lines."""
-    return [row for row in map(json.loads, path.read_text().splitlines()) if "study" not in row]
-
-
-def file_of(page):
-    """The file that holds a page's rows."""
-    return RESULTS / f"{page}.jsonl"
-
-
-def compared(old, new, at=""):
-    """Fields of an old row that a new one does not have, or has otherwise."""
-    if isinstance(old, dict) and isinstance(new, dict):
-        keys = [key for key in old if not any(part in key for part in UNEQUAL)]
-        return [line for key in keys for line in compared(old[key], new.get(key), f"{at}.{key}")]
-    return [] if old == new else [f"{at[1:]}: was {old}, is {new}"]
+def compared(old, new):
+    """Cells of an old row that a new one does not have, or has otherwise."""
+    names = [name for name in old if not any(part in name for part in UNEQUAL)]
+    return [f"{name}: was {old[name]}, is {new.get(name)}" for name in names if old[name] != new.get(name)]
 
 
 def run(edof, arguments, folder):
@@ -48,14 +37,14 @@ def run(edof, arguments, folder):
 
 def study(edof, page, name, arguments, chosen, same):
     """One row of a study with a file of rows: the first of the page's that `chosen` takes, against the new one of the same `same` fields."""
-    old = next((row for row in rows_of(file_of(page)) if chosen(row)), None)
+    old = next((row for row in table.read(RESULTS / f"{page}.csv") if chosen(row)), None)
     if old is None:
-        return [f"no such row in {file_of(page).name}"]
+        return [f"no such row in {page}.csv"]
     with tempfile.TemporaryDirectory() as folder:
         rows = pathlib.Path(folder) / "rows.jsonl"
         photo = str(int("".join(c for c in old["image"] if c.isdigit())))
         run(edof, ["study", name, "--rows", str(rows), "--photos", photo, *arguments], folder)
-        new = [row for row in rows_of(rows) if all(row[key] == old[key] for key in same)]
+        new = [row for row in map(table.cells, table.rows_of(rows)[1]) if all(row[key] == old[key] for key in same)]
     return compared(old, new[0]) if len(new) == 1 else [f"{len(new)} rows in place of one"]
 
 
@@ -95,7 +84,7 @@ CLASSES = "+".join(f"edof-t4w12-outer-{noise}" for noise in ("low", "mid", "high
 
 def far(method):
     """Rows of a method at ψ = 8 without noise."""
-    return lambda row: (row["method"], row["psi"], row["noise"]) == (method, 8.0, "none")
+    return lambda row: (row["method"], row["psi"], row["noise"]) == (method, "8", "none")
 
 
 def held_back(page):
@@ -118,7 +107,7 @@ PAGES = {
         "tolerances",
         "tolerances",
         ["--net", CLASSES, "--errors", "radius", *FAR],
-        lambda row: (row["kind"], row["psi"], row["noise"]) == ("radius", 8.0, "none"),
+        lambda row: (row["kind"], row["psi"], row["noise"]) == ("radius", "8", "none"),
         ["kind", "amount", "image", "psi", "noise"],
     ),
     "aperture": lambda edof: lines(edof, "aperture", ["aperture", "--psi-ranges", "4", "--electrons", "1000"], lambda line: line.startswith("| 0 to 4 | 1000 |")),
@@ -127,7 +116,7 @@ PAGES = {
         "single-depth",
         "single-depth",
         ["--nets", "paper-t4", "--methods", "omp-known", "--stride", "8", *FAR],
-        lambda row: far("omp-known-depth")(row) and row["stride"] == 8,
+        lambda row: far("omp-known-depth")(row) and row["stride"] == "8",
         NET,
     ),
     "overlap": lambda edof: study(
@@ -135,7 +124,7 @@ PAGES = {
         "overlap",
         "single-depth",
         ["--nets", "paper-t4", "--methods", "omp-known", "--stride", "4", *FAR],
-        lambda row: far("omp-known-depth")(row) and row["stride"] == 4,
+        lambda row: far("omp-known-depth")(row) and row["stride"] == "4",
         NET,
     ),
     "blind": lambda edof: study(edof, "blind", "blind", ["--side", "15"], lambda _: True, ["image", "blur", "side"]),
@@ -145,7 +134,7 @@ PAGES = {
         "knobs",
         "knobs",
         ["--knobs", "noise-class"],
-        lambda row: (row["knob"], row["value"]) == ("noise-class", 0.02),
+        lambda row: (row["knob"], row["value"]) == ("noise-class", "0.02"),
         ["knob", "value", "image"],
     ),
     "multi-depth": scene,
@@ -174,7 +163,7 @@ def main():
     for page in pages or PAGES:
         differences = PAGES[page](edof)
         wrong += bool(differences)
-        print(f"{page}: {'; '.join(differences) or 'a row is the same to the last bit'}", flush=True)
+        print(f"{page}: {'; '.join(differences) or 'a row is the same in every digit'}", flush=True)
     sys.exit(wrong != 0)
 
 

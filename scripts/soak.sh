@@ -12,7 +12,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 target=${CARGO_TARGET_DIR:-target}
 
-# A row a part: its name, and its command. The test `soak` of tests/program.rs reads the rows: each ignored test has a part.
+# A row a part: its name, and its command. Ignored tests without a part of their own are in `rest`.
 parts() {
     cat <<'PARTS'
 simulated-board tests circuits simulated_board::
@@ -66,6 +66,7 @@ fuzz-2          scripts/fuzz.sh 5 dng tags raw arrays bank
 fuzz-3          scripts/fuzz.sh 5 record weights replies scene
 fuzz-4          scripts/fuzz.sh 5 dictionary rows
 serial-line     tests circuits host::
+rest            rest
 sanitizer       scripts/sanitize.sh
 coverage        scripts/coverage.sh
 words-1         scripts/words.sh 1
@@ -101,9 +102,19 @@ ignored() {
     "$@" --ignored --test-threads 2
 }
 
-# One row of each page of docs/results, measured again to the last bit.
+# Every ignored test that no row names, but for those that other scripts or tests run.
+rest() {
+    local words
+    words=$(parts | sed -n 's/^[^ ]* *tests [^ ]* //p; s/^[^ ]* *released [^ ]* [^ ]* //p')
+    # shellcheck disable=SC2086
+    cargo test --workspace --locked --lib --bins --tests -- --ignored --test-threads 2 \
+        $(printf -- '--skip %s ' $words sleep_alone modes_under_one_umask numpys_kinds saturations:: networks_in_turn) \
+        $(sed -n 's/^fn \([a-z_]*\).*/--skip \1/p' crates/edof-gpu/tests/device.rs)
+}
+
+# One row of each page of docs/results, measured again: every digit of its table is the same.
 results() {
-    cargo build -q --release --locked -p edof-cli && python3 scripts/soak-rows.py "$target/release/edof"
+    cargo build -q --release --locked -p edof-cli && python3 -B scripts/soak-rows.py "$target/release/edof"
 }
 
 # A number with a comma before each three digits.

@@ -72,6 +72,8 @@ EDOF=${CARGO_TARGET_DIR:-target}/debug/edof beside "the contract on paper" ./scr
 # Whoever runs this waits for minutes, and is told everything that failed.
 say "tests of all else"
 tests "${others[@]}" || failed+=("tests of all else")
+[ "$(id -u)" != 0 ] || tests --test modes -- --ignored owner_and_group || failed+=("tests of root")
+./scripts/test-photographs.sh || failed+=("tests on photographs")
 say "examples in the documentation"
 cargo test --workspace --doc --locked || failed+=("examples in the documentation")
 wait_for "the contract on paper"

@@ -20,9 +20,9 @@ fn options_that_contradict_a_frames_record_are_rejected_or_told() {
         ("--black-level 64", "16"),
         ("--white-level 4000", "4096"),
     ] {
-        let told = format!("{option}: raw.png.json says {says}");
+        let message = format!("{option}: raw.png.json says {says}");
         let name = option.split_once(' ').unwrap().0;
-        place.edof(&format!("{line} {option}")).refused(&[&told, &format!("leave {name} out"), "--force"]);
+        place.edof(&format!("{line} {option}")).refused(&[&message, &format!("leave {name} out"), "--force"]);
         assert!(place.snapshot() == before, "{option}");
     }
     let run = place.edof(&format!("{line} --tone linear --phase bggr --force")).done();
@@ -35,7 +35,7 @@ fn options_that_contradict_a_frames_record_are_rejected_or_told() {
         "{}",
         run.err
     );
-    // What agrees may be said.
+    // What agrees may be stated.
     place.edof(&format!("{line} --camera ring-2018 --phase rggb --tone srgb --bit-depth 12")).done();
 }
 

@@ -214,3 +214,18 @@ fn wrong_usage_is_distinguished_from_failure() {
     assert_eq!(Place::new().edof("reconstruct").code, Some(2));
     assert_eq!(Place::new().edof("reconstructt").code, Some(2));
 }
+
+#[cfg(unix)]
+#[test]
+fn a_name_that_is_no_text_is_a_name() {
+    use std::os::unix::ffi::OsStrExt;
+    let place = Place::new();
+    place.raw("raw.png", 48, 32);
+    place.fixed_network("net.safetensors");
+    let name = std::ffi::OsStr::from_bytes(b"r\xffw.png");
+    std::fs::rename(place.path("raw.png"), place.path("").join(name)).unwrap();
+    let mut command = place.command("reconstruct --weights net.safetensors --out out.png --json");
+    let run: crate::support::Run = command.arg("-").arg("--").arg(name).output().unwrap().into();
+    assert!(run.done().out.contains("\"width\": 48"));
+    assert!(place.path("out.png").is_file());
+}

@@ -141,39 +141,6 @@ fn a_missing_memory_image_is_reported_before_anything_is_built() {
 }
 
 #[test]
-fn a_network_of_another_form_names_both() {
-    let run = Place::new().edof("generate --design kc705 --weights paper-t4 --out x");
-    run.refused(&[
-        "network paper-t4 does not fit design kc705: it has windows of 8x8, two-sided shrinkage, no linear path, \
-         the design windows of 12x12, one-sided shrinkage, a linear path; use --weights ",
-        "edof-t4w12-outer",
-    ]);
-}
-
-#[test]
-fn a_design_that_cannot_be_built_names_the_field() {
-    let place = Place::new();
-    for (change, words) in [
-        (
-            design(|d| d["stages"][1]["lanes"] = 6.into()),
-            ["stages[1].lanes 6", "a multiple of 4 that divides 16"],
-        ),
-        (design(|d| d["stages"][0]["rows"] = 3.into()), ["stages[0].rows 3", "1 to 4"]),
-        (design(|d| d["stages"][1]["rows"] = 3.into()), ["stages[1].rows 3", "1 or 2"]),
-        (design(|d| d["accumulator_bits"] = 50.into()), ["accumulator_bits 50", "32 to 48"]),
-        (design(|d| d["stages"] = Value::Array(vec![])), ["stages 0", "4 stages"]),
-        (design(|d| d["clock_mhz"] = 0.into()), ["clock_mhz 0", "above 0"]),
-        (design(|d| d["form"]["codes"] = 15.into()), ["form.codes 15", "a multiple of 4 and at most 256"]),
-        (design(|d| d["frame"]["width"] = 0.into()), ["frame 0x", "at least"]),
-        (design(|d| d["color"] = 1.into()), ["bad.json", "unknown field `color`"]),
-    ] {
-        place.write("bad.json", change);
-        place.edof("estimate --design bad.json").refused(&words);
-    }
-    place.edof("estimate --design kc706").refused(&["design 'kc706'", "tiny, paper, kc705"]);
-}
-
-#[test]
 fn the_words_of_a_bank_are_counted_not_its_rows() {
     let place = Place::new();
     // 1,152 rows of 4 words each, then 2,048 of 4.

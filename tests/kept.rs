@@ -77,44 +77,6 @@ fn what_is_resumed_must_be_there() {
     assert_eq!(place.files(), ["net.safetensors.2.checkpoint", "photos"]);
 }
 
-/// Commands that take minutes, each with what it would write over.
-const LONG: [&str; 17] = [
-    "quantize net.safetensors --out kept",
-    "quantize net.safetensors --json kept --out new",
-    "quantize net",
-    "optics design --out kept",
-    "optics design --out new --json kept",
-    "study kodak --nets net.safetensors --images photos --json kept",
-    "study kodak --nets net.safetensors --images photos --report kept",
-    "study bits --csv kept",
-    "study stability --markdown kept",
-    "study blind --images photos --csv kept",
-    "study multi-depth --report kept",
-    "study design --weights paper-t4 --markdown kept",
-    "study dictionary --images photos --out kept",
-    "study merge part.jsonl --out kept",
-    "explore --weights paper-t4 --json kept",
-    "cosim --design tiny --junit kept",
-    "cosim --system --design tiny --json kept",
-];
-
-#[test]
-fn a_result_that_took_minutes_is_replaced_by_force_alone() {
-    let place = ready();
-    place.float_network("net.safetensors");
-    place.write("kept", "last night's");
-    place.write("part.jsonl", "{}");
-    std::fs::create_dir(place.path("weights")).unwrap();
-    place.float_network("weights/net.safetensors");
-    place.fixed_network("weights/net.fixed.safetensors");
-    let before = place.snapshot();
-    for line in LONG {
-        let file = if line == "quantize net" { "weights/net.fixed.safetensors" } else { "kept" };
-        place.edof_within_bounds(line).refused(&[file, "is there already", "--force replaces it"]);
-        assert!(place.snapshot() == before, "{line}");
-    }
-}
-
 #[test]
 fn an_empty_file_is_no_result() {
     let place = ready();

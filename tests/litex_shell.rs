@@ -53,13 +53,3 @@ fn the_litex_shell_adds_a_folder_and_changes_no_other_file() {
     let unfilled = all.split_whitespace().find(|word| word.matches('@').count() > 1);
     assert_eq!(unfilled, None, "a number of the design is missing");
 }
-
-#[test]
-fn an_unknown_shell_is_rejected_with_those_that_there_are() {
-    let place = Place::new();
-    let run = place.edof("generate --design paper --weights paper-t4 --shell vivado --out x");
-    assert!(run.code == Some(2) && !place.path("x").exists(), "{}", run.err);
-    for words in ["invalid value 'vivado' for '--shell <SHELL>'", "[possible values: mig, litex]"] {
-        assert!(run.err.contains(words), "{}", run.err);
-    }
-}

@@ -134,7 +134,7 @@ fn a_network_for_another_camera_is_rejected_with_the_right_command() {
         "use --weights edof-t4w12-outer",
     ]);
     place.edof("reconstruct raw.png --out out.png").done();
-    // What the user states counts more than the record where it is said twice.
+    // What the user states counts more than the record where both state it.
     place.edof(&format!("{line} --camera clear")).refused(&["raw.png.json says ring-outer"]);
     place.edof(&format!("{line} --camera clear --force")).done();
 }
@@ -183,11 +183,56 @@ fn results_about_lenses_and_hardware_name_what_they_were_made_of() {
         let inputs = result["provenance"]["inputs"].as_array().unwrap();
         inputs.iter().map(|i| i["kind"].as_str().unwrap().to_owned()).collect()
     };
-    assert_eq!(kinds("scene chart --size 96x64 --out drawn --json"), ["camera"]);
+    assert_eq!(kinds("scene chart --size 96x64 --out random --json"), ["camera"]);
     assert_eq!(kinds("optics clear --out lens --json"), ["camera"]);
     assert_eq!(kinds("estimate --design tiny --json"), ["design"]);
     assert_eq!(
         kinds("estimate --design paper --weights paper-t4 --photo photo.png --json"),
         ["design", "weights", "photograph"]
     );
+}
+
+/// A place with a frame, a photograph and a network.
+fn ready() -> Place {
+    let place = Place::new();
+    place.raw("raw.png", 48, 32);
+    place.photo("photo.png", 96, 64);
+    place.fixed_network("net.fixed.safetensors");
+    place
+}
+
+#[test]
+fn defaults_that_older_results_state_are_accepted() {
+    let place = ready();
+    for line in [
+        "capture photo.png --camera clear --psi 1 --out o.png --layers 16 --map-of nearness",
+        "capture photo.png --camera clear --psi 1 --out o.png --exact --energy 0.999 --wavelength-tolerance 0.01 --depth-tolerance 0",
+        "compare photo.png photo.png --map-gain 8",
+        "reconstruct raw.png --weights net.fixed.safetensors --out o.png --order little",
+        "board map --baud 921600",
+    ] {
+        place.edof(line).done();
+    }
+}
+
+#[test]
+fn a_command_that_a_result_states_can_be_run_and_states_itself() {
+    let place = ready();
+    let stated = |line: &str| -> String {
+        let run = place.edof(&format!("{line} --json")).done();
+        let result: Value = serde_json::from_str(&run.out).unwrap();
+        result["provenance"]["command"].as_str().unwrap().to_owned()
+    };
+    for (line, more, without) in [
+        ("capture photo.png --camera clear --psi 1 --out o.png", "--out o.png", "--layers"),
+        ("capture photo.png --camera clear --psi 1 --out o.png --exact", "--out o.png", "--energy"),
+        ("compare photo.png photo.png", "", "--map-gain"),
+        ("random-network --design tiny --out o", "--out o", "--kind"),
+        ("cosim --design tiny --random 3", "", "--frames"),
+        ("reconstruct raw.png --board --weights net.fixed.safetensors --out o.png", "--out o.png", "--bits"),
+    ] {
+        let first = stated(line);
+        assert!(!first.contains(without), "{first}");
+        assert_eq!(stated(&format!("{} {more}", first.strip_prefix("edof ").unwrap())), first);
+    }
 }

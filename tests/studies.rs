@@ -319,11 +319,11 @@ fn hard_cases_are_run_and_a_broken_promise_is_a_failure_that_names_them() {
 fn a_report_opens_with_its_verdict_and_names_what_measured_its_rows() {
     let place = Place::new();
     for (name, rows) in [
-        ("aperture", &include_bytes!("../docs/results/aperture.jsonl")[..]),
-        ("tolerances", include_bytes!("../docs/results/tolerances.jsonl")),
-        ("blind", include_bytes!("../docs/results/blind.jsonl")),
-        ("knobs", include_bytes!("../docs/results/knobs.jsonl")),
-        ("single-depth", include_bytes!("../docs/results/single-depth.jsonl")),
+        ("aperture", &include_bytes!("../crates/edof-study/tests/rows/aperture.jsonl")[..]),
+        ("tolerances", include_bytes!("../crates/edof-study/tests/rows/tolerances.jsonl")),
+        ("blind", include_bytes!("../crates/edof-study/tests/rows/blind.jsonl")),
+        ("knobs", include_bytes!("../crates/edof-study/tests/rows/knobs.jsonl")),
+        ("single-depth", include_bytes!("../crates/edof-study/tests/rows/single-depth.jsonl")),
     ] {
         place.write("rows.jsonl", rows);
         place.edof(&format!("study merge rows.jsonl --out {name}.jsonl --report {name}.html")).done();
@@ -417,7 +417,7 @@ fn errors_of_a_lens_cost_decibels_and_are_measured_once() {
     place.edof("study merge 1 2 --out merged").done();
     assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
     let clear = "study tolerances --net edof-t4w12-clear --images photos";
-    place.edof(clear).refused(&["edof-t4w12-clear", "whose mask has no rings", "edof-t4w12-outer"]);
+    place.edof(clear).refused(&["edof-t4w12-clear", "which has no mask", "edof-t4w12-outer"]);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Parsers of files.
 
 use edof_core::camera::Camera;
-use edof_core::camera::psf_bank::Kernels;
+use edof_core::camera::Kernels;
 use edof_device::Design;
 use edof_device::design::memory::{self, Set, Space};
 use edof_golden::cycle::estimate::estimate;
@@ -11,7 +11,7 @@ use edof_io::packing::{ByteOrder, Packing};
 use edof_io::raw::{Alignment, RawOptions, Size};
 use edof_study::methods::dictionary::Dictionary;
 use edof_network::weight_file::{WeightFileError, parse_fixed, parse_network};
-use edof_optics::scene_file::SceneFile;
+use edof_optics::SceneFile;
 use edof_study::journal::{Header, Journal, Line, Mixing};
 use edof_study::{aperture, kodak, single_depth, tolerances};
 use std::path::{Path, PathBuf};
@@ -44,7 +44,7 @@ pub fn weights(bytes: &[u8]) {
 pub fn design(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     if let Ok(design) = Design::from_json(text) {
-        let _ = edof_device::board::check(&design);
+        let _ = design.check_board();
         assert!(estimate(&design, None).cycles_per_patch >= 1.0, "a patch takes cycles");
         for stage in design.stages() {
             let _ = stage.drain_latency();

@@ -223,14 +223,14 @@ pub fn dictionaries() -> Vec<Vec<u8>> {
     })]
 }
 
-/// The first rows of pages of the repository, whole and torn.
+/// The first rows of studies, whole and torn.
 pub fn rows() -> Vec<Vec<u8>> {
-    let pages = ["kodak-linear.jsonl", "single-depth.jsonl", "tolerances.jsonl", "aperture.jsonl"];
+    let pages = ["kodak.jsonl", "single-depth.jsonl", "tolerances.jsonl", "aperture.jsonl"];
     let first = |(study, rows): (usize, Vec<u8>)| {
         let head: Vec<u8> = rows.split_inclusive(|byte| *byte == b'\n').take(4).flatten().copied().collect();
         [vec![study as u8], head].concat()
     };
-    let whole: Vec<Vec<u8>> = repository("docs/results", &pages).into_iter().enumerate().map(first).collect();
+    let whole: Vec<Vec<u8>> = repository("crates/edof-study/tests/rows", &pages).into_iter().enumerate().map(first).collect();
     let torn = whole.iter().map(|rows| rows[..rows.len() - 9].to_vec());
     torn.chain(whole.clone()).collect()
 }

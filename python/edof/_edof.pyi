@@ -58,6 +58,10 @@ class Camera:
     def with_aberrations(self, rms_nm: dict[int, float]) -> Camera:
         """The camera with these Zernike terms (Noll's index: root mean square of the optical path in nanometres) in place of its own."""
 
+    def with_mask(self, terms: list[dict[str, object]]) -> Camera:
+        """The camera with these terms as its mask, each as in the list `mask` of a camera file: {"ring": {...}}, {"polynomial": {...}}, ....
+        Pictures of height maps are looked for in the working directory."""
+
     def psi_at(self, metres: float, *, nominal_m: Optional[float] = None) -> float:
         """psi of an object at a distance; psi is 0 at `nominal_m` (default: the camera's)."""
 
@@ -647,8 +651,13 @@ def load_picture(path: _Path) -> _Light:
 def save_picture(path: _Path, light: _Light, *, curve: str = "srgb", bits: Optional[SupportsIndex] = None) -> None:
     """Writes light as a picture of 8 (default) or 16 bits, by a curve (srgb, linear, bt709)."""
 
-def quality(truth: _Light, estimate: _Light, *, border: Optional[SupportsIndex] = None) -> dict[str, Any]:
-    """PSNR (dB, peak 1) and SSIM of two pictures, `border` pixels (default 8) left out (docs/decisions/0003-metrics.md)."""
+def quality(truth: _Light, estimate: _Light, *, border: Optional[SupportsIndex] = None, tone: str = "linear") -> dict[str, Any]:
+    """Every metric (`metrics()`) of two pictures that is large enough for it, `border` pixels (default 8) left out (docs/decisions/0003-metrics.md).
+
+    `tone` is the encoding of both (linear, srgb), which metrics of light need."""
+
+def metrics() -> list[dict[str, Any]]:
+    """What `quality` measures: name, title, unit, better (higher or lower) and min_side, the smallest side in pixels inside the border."""
 
 def psnr(truth: _Light, estimate: _Light, *, border: Optional[SupportsIndex] = None) -> float:
     """PSNR in dB over all colours, peak 1, `border` pixels (default 8) left out; infinite for equal pictures."""

@@ -7,14 +7,15 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Union
 
-from ._edof import EdofError
+from ._edof import EdofError, metrics
 
 # Numbers that JSON has no form for.
 _WORDS = {"inf": float("inf"), "-inf": float("-inf"), "nan": float("nan")}
+_NUMBERS = {"value", *(metric["name"] for metric in metrics())}
 
 
 def _plain(value: Any, name: str = "") -> Any:
-    if isinstance(value, str) and value in _WORDS and (name.endswith("_db") or name in ("value", "ssim", "luma_ssim")):
+    if isinstance(value, str) and value in _WORDS and (name.endswith("_db") or name in _NUMBERS):
         return _WORDS[value]
     if isinstance(value, dict):
         return {key: _plain(item, key) for key, item in value.items()}

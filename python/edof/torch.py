@@ -6,7 +6,7 @@ the float network as a module: train it in any way, write it with `network()`, a
 
 from __future__ import annotations
 
-from typing import Any, Sequence, cast
+from typing import Any, Callable, Sequence, cast
 
 import numpy as np
 import torch
@@ -15,6 +15,13 @@ from torch import Tensor, nn
 import edof
 
 PATCH = 8
+
+# z of b and theta, by the name of the shrinkage (docs/contract.md, 3.3).
+SHRINKAGES: dict[str, Callable[[Tensor, Tensor], Tensor]] = {
+    "two-sided": lambda b, theta: torch.sign(b) * torch.relu(b.abs() - theta),
+    "one-sided": lambda b, theta: torch.relu(b - theta),
+    "firm": lambda b, theta: torch.sign(b) * torch.minimum(2 * torch.relu(b.abs() - theta), b.abs()),
+}
 
 
 class _Blur(torch.autograd.Function):
@@ -59,17 +66,14 @@ class FloatNetwork(nn.Module):
         super().__init__()
         self.like = network
         words = network.form.split(",")
-        self.one_sided = "one-sided" in words
+        self.shrink = next(SHRINKAGES[word] for word in words if word in SHRINKAGES)
         self.difference = "difference" in words
         self.tied = "tied" in words
         for name, array in network.arrays().items():
             self.register_parameter(name, nn.Parameter(torch.from_numpy(array.copy())))
 
     def _shrunk(self, codes: Tensor, layer: int) -> Tensor:
-        theta = cast(Tensor, self.thresholds)[layer]
-        if self.one_sided:
-            return torch.relu(codes - theta)
-        return torch.sign(codes) * torch.relu(codes.abs() - theta)
+        return self.shrink(codes, cast(Tensor, self.thresholds)[layer])
 
     def forward(self, windows: Tensor) -> Tensor:
         """The layers I, M and F (docs/contract.md, section 5, in floating point)."""

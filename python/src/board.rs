@@ -9,7 +9,7 @@ use edof_board::load::Job;
 use edof_board::names::Place;
 use edof_board::simulated::Shown;
 use edof_board::{Board, Line, Serial, Simulated, link, protocol};
-use edof_device::board::BAUD;
+use edof_device::board::KC705;
 use edof_device::design::memory::Set;
 use edof_golden::Display;
 use edof_core::cable;
@@ -166,7 +166,7 @@ impl PyBoard {
         timeout: Option<f64>,
     ) -> PyResult<Self> {
         let port = name(port, "port", "the path of a serial port")?;
-        let baud = baud.map_or(Ok(BAUD as usize), |value| size(value, "baud", 1, 100_000_000))? as u32;
+        let baud = baud.map_or(Ok(KC705.baud as usize), |value| size(value, "baud", 1, 100_000_000))? as u32;
         let patience = timeout.map_or(Ok(link::PATIENCE), |seconds| {
             let fine = seconds > 0.0 && seconds <= 3600.0;
             let refused = || failed(format!("timeout {seconds}: must be above 0, at most 3600 seconds"));
@@ -196,7 +196,7 @@ impl PyBoard {
                 "raw: shape {found:?}, expected ({rows}, {columns}) as the design's frame"
             )));
         }
-        let baud = baud.map_or(Ok(BAUD as usize), |value| size(value, "baud", 1, 100_000_000))? as u32;
+        let baud = baud.map_or(Ok(KC705.baud as usize), |value| size(value, "baud", 1, 100_000_000))? as u32;
         py.detach(|| {
             let sets = [golden.network(), golden.network()];
             let board = Simulated::new(&design, sets, &Display::of_network(golden.network()), raw, baud)

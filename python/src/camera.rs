@@ -2,15 +2,13 @@
 
 use crate::arguments::{array, finite, name, number, owned};
 use crate::error::{OrRaise, failed};
-use edof_core::camera::Camera;
-use edof_core::camera::{Aberration, PRESETS};
-use edof_core::camera::height_map::HeightMap;
-use edof_core::camera::psf_bank::{Kernels, PsfBank};
-use edof_optics::depth::{distance_m, psi_at};
 use edof::presets::lens;
+use edof_core::camera::{Aberration, Camera, HeightMap, Kernels, PRESETS, PsfBank, Term, Zernike};
+use edof_core::storage::json;
+use edof_optics::{distance_m, psi_at};
 use ndarray::{Ix1, Ix2, Ix4};
 use pyo3::prelude::*;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A lens, its phase mask and a sensor. See `edof.Camera` in the type stubs.
@@ -109,12 +107,23 @@ impl PyCamera {
         let mut map =
             HeightMap { file: name.to_owned(), white_um, cauchy, sha256: String::new(), heights: None };
         map.take(heights, PathBuf::from(name), &self.0.name).or_raise()?;
-        Self::checked(Camera { height_map: Some(map), ..(*self.0).clone() })
+        let others = self.0.mask.terms().iter().filter(|term| !matches!(term, Term::HeightMap(_)));
+        let mask = others.cloned().chain([map.into()]).collect();
+        Self::checked(Camera { mask, ..(*self.0).clone() })
     }
 
     fn with_aberrations(&self, rms_nm: std::collections::BTreeMap<u32, f64>) -> PyResult<Self> {
         let aberrations = rms_nm.into_iter().map(|(noll, rms_nm)| Aberration { noll, rms_nm }).collect();
-        Self::checked(Camera { aberrations, ..(*self.0).clone() })
+        Self::checked(Camera { aberrations: Zernike(aberrations), ..(*self.0).clone() })
+    }
+
+    fn with_mask(&self, terms: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let text: String = terms.py().import("json")?.call_method1("dumps", (terms,))?.extract()?;
+        let terms: Vec<Term> =
+            json::parse(&text).map_err(|e| failed(format!("terms: {}", json::reason(&e))))?;
+        let mut camera = Camera { mask: terms.into_iter().collect(), ..(*self.0).clone() };
+        lens::read_mask(&mut camera, Path::new("")).or_raise()?;
+        Self::checked(camera)
     }
 
     #[pyo3(signature = (metres, *, nominal_m = None))]

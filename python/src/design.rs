@@ -8,7 +8,6 @@ use edof_cosim::bitstream::Sources;
 use edof_cosim::estimate::{Estimated, MeasureError, Measured, Picture};
 use edof_cosim::explore::{self, any_folding};
 use edof_device::Design;
-use edof_device::board::clocks;
 use edof_golden::cycle::Cycle;
 use edof_golden::cycle::explore::front;
 use edof_core::RawFrame;
@@ -88,7 +87,7 @@ impl PyDesign {
         depth: Option<&Bound<'py, PyAny>>,
         phase: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        clocks(&self.0).or_raise()?;
+        self.0.clocks().or_raise()?;
         let design = Arc::clone(&self.0);
         let (golden, frames) = match (network, raw) {
             (None, None) => return json::plain(py, &Estimated::new(&design, None).json(None)),
@@ -132,7 +131,7 @@ impl PyDesign {
         let fast = found.iter().any(|one| one.frames >= fps);
         found.retain(|one| !fast || one.frames >= fps);
         let figures: Vec<[f64; 3]> =
-            found.iter().map(|one| [one.cycles, one.used.dsp48e1 as f64, one.ramb36()]).collect();
+            found.iter().map(|one| [one.cycles, one.used.multipliers as f64, one.used.whole_memories()]).collect();
         let kept = found.iter().zip(front(&figures)).filter_map(|(one, keep)| keep.then_some(one));
         kept.map(|one| {
             let row = PyDict::new(py);
@@ -140,7 +139,7 @@ impl PyDesign {
             row.set_item("cycles_per_patch", one.cycles)?;
             row.set_item("worst_picture_cycles_per_patch", one.worst_cycles)?;
             row.set_item("frames_per_second", one.frames)?;
-            row.set_item("resources", json::plain(py, &one.used)?)?;
+            row.set_item("resources", json::plain(py, &one.design.board.part.named(&one.used))?)?;
             row.set_item("design", Py::new(py, Self::of(one.design.clone()))?)?;
             Ok(row)
         })

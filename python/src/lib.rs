@@ -12,7 +12,7 @@
 //! | networks, float and fixed | [`network`] |
 //! | training | [`train`] |
 //! | from raw frames to pictures | [`reconstruct`] |
-//! | picture files, PSNR and SSIM | [`pictures`] |
+//! | picture files and metrics | [`pictures`] |
 //! | demosaicing, deconvolution, pursuits | [`restore`] |
 //! | designs and their sources | [`design`] |
 //! | the cycle model | [`cycles`] |
@@ -79,6 +79,7 @@ fn _edof(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(train::train, module)?,
         wrap_pyfunction!(pictures::load_picture, module)?,
         wrap_pyfunction!(pictures::save_picture, module)?,
+        wrap_pyfunction!(pictures::metrics, module)?,
         wrap_pyfunction!(pictures::quality, module)?,
         wrap_pyfunction!(pictures::psnr, module)?,
     ];

@@ -5,8 +5,7 @@ use crate::camera::camera;
 use crate::error::{OrRaise, failed, wrong_type};
 use crate::job;
 use edof_core::{Channel, ColourFrame, Tone};
-use edof_optics::blur;
-use edof_optics::mtf::{self as response_of, Footprint};
+use edof_optics::Footprint;
 use edof_optics::psf::{Psf, Settings, channel_psfs};
 use ndarray::{Array1, Array2, Array3, Axis, Ix1, Ix2};
 use numpy::{Complex64, IntoPyArray, PyArray1, PyArray2, PyUntypedArray, PyUntypedArrayMethods};
@@ -92,7 +91,7 @@ fn response<'py>(
     let (camera, channel) = (self::camera(camera)?, self::channel(channel)?);
     let footprint = if pixel { Footprint::LensAndPixel } else { Footprint::Lens };
     let given = cycles_per_mm.map(|value| frequencies(value, "cycles_per_mm")).transpose()?;
-    let response = job::run(py, move |_| response_of::otf(&camera, channel, psi, footprint))?.or_raise()?;
+    let response = job::run(py, move |_| edof_optics::otf(&camera, channel, psi, footprint))?.or_raise()?;
     Ok(match given {
         Some(frequencies) => {
             let values = frequencies.mapv(|f| response.at(f));
@@ -123,7 +122,7 @@ pub fn sampled_otf<'py>(
     let (psf, frequencies) = (one_kernel(kernel)?, frequencies(cycles_per_pixel, "cycles_per_pixel")?);
     let mut out = Array2::<Complex64>::zeros((2, frequencies.len()));
     for (index, frequency) in frequencies.iter().enumerate() {
-        let both = response_of::sampled_otf(&psf, *frequency);
+        let both = edof_optics::sampled_otf(&psf, *frequency);
         both.into_iter().enumerate().for_each(|(axis, value)| out[(axis, index)] = value);
     }
     Ok(out.into_pyarray(py))
@@ -152,7 +151,7 @@ pub fn blurred<'py>(
     picture: &Bound<'py, PyAny>,
     kernel: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    apply(py, picture, kernel, blur::blur, blur::blur_frame)
+    apply(py, picture, kernel, edof_optics::blur, edof_optics::blur_frame)
 }
 
 /// The adjoint of [`blurred`].
@@ -162,10 +161,10 @@ pub fn blur_adjoint<'py>(
     picture: &Bound<'py, PyAny>,
     kernel: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    apply(py, picture, kernel, blur::blur_adjoint, |frame, psfs| {
+    apply(py, picture, kernel, edof_optics::blur_adjoint, |frame, psfs| {
         let mut out = Array3::zeros(frame.planes.raw_dim());
         let channels = frame.planes.axis_iter(Axis(0)).zip(out.axis_iter_mut(Axis(0))).zip(psfs);
-        channels.for_each(|((plane, mut out), psf)| out.assign(&blur::blur_adjoint(plane, psf)));
+        channels.for_each(|((plane, mut out), psf)| out.assign(&edof_optics::blur_adjoint(plane, psf)));
         ColourFrame { planes: out }
     })
 }

@@ -1,13 +1,16 @@
 //! Pictures in files, and how far one is from another.
 
-use crate::arguments::{picture, size};
+use crate::arguments::{picture, size, word};
 use crate::error::{OrRaise, failed};
 use crate::reconstruct::curve;
-use crate::{job, json};
+use crate::job;
+use edof_core::Tone;
 use edof_io::photo;
-use edof_study::metrics::{BORDER, Quality};
+use edof_study::metrics::{BORDER, METRICS, Metric, Quality, Score};
 use numpy::{IntoPyArray, PyArray3};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::json;
 use std::path::PathBuf;
 
 /// Largest border that is cropped.
@@ -35,25 +38,38 @@ pub fn save_picture(
     job::run(py, move |_| photo::save(&path, &curve.encoded(light), bits))?.or_raise()
 }
 
-/// PSNR and SSIM in every way that edof states.
+/// Every metric of edof that the pictures are large enough for, by name.
 #[pyfunction]
-#[pyo3(signature = (truth, estimate, *, border = None))]
+#[pyo3(signature = (truth, estimate, *, border = None, tone = "linear"))]
 pub fn quality<'py>(
     py: Python<'py>,
     truth: &Bound<'py, PyAny>,
     estimate: &Bound<'py, PyAny>,
     border: Option<&Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyAny>> {
+    tone: &str,
+) -> PyResult<Bound<'py, PyDict>> {
     let border = border.map_or(Ok(BORDER), |value| size(value, "border", 0, MAX_BORDER))?;
     let (truth, estimate) = (picture(truth, "truth")?, picture(estimate, "estimate")?);
-    let quality = job::run(py, move |_| Quality::of(&truth, &estimate, border))?.or_raise()?;
-    let out = json::plain(py, &quality)?;
-    // JSON has no infinities: equal pictures have one.
-    out.set_item("psnr_db", quality.psnr_db)?;
-    out.set_item("psnr_clipped_db", quality.psnr_clipped_db)?;
-    out.set_item("channel_psnr_db", quality.channel_psnr_db)?;
-    out.set_item("luma_psnr_db", quality.luma_psnr_db)?;
+    let tone = word::<Tone>(tone)?;
+    let quality = job::run(py, move |_| Quality::of(&truth, &estimate, border, tone))?.or_raise()?;
+    let out = PyDict::new(py);
+    for (metric, score) in quality.scores() {
+        match score {
+            Score::One(number) => out.set_item(metric.name, number)?,
+            Score::Colours(numbers) => out.set_item(metric.name, numbers)?,
+        }
+    }
     Ok(out)
+}
+
+/// Every metric: its name, title, unit, the smallest side that it measures, and which of two numbers is better.
+#[pyfunction]
+pub fn metrics(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+    let of = |metric: &Metric| {
+        let Metric { name, title, unit, better, min_side, .. } = metric;
+        json!({ "name": name, "title": title, "unit": unit, "better": better, "min_side": min_side })
+    };
+    crate::json::plain(py, &METRICS.iter().map(of).collect::<Vec<_>>())
 }
 
 /// PSNR in dB over all colours, peak 1.

@@ -71,6 +71,10 @@ def test_cameras_can_be_changed(light: NDArray[np.float32]) -> None:
     columns = np.arange(kernel.shape[1]) - kernel.shape[1] // 2
     # A wedge that is higher on the right moves the picture to the right.
     assert (kernel.sum(axis=0) * columns).sum() > 0.5
+    ring = {"inner": 0.6, "outer": 0.9, "delay": {"phase": {"rad": 3.0, "at_nm": 500}}}
+    ringed = camera.with_mask([{"ring": ring}])
+    assert ringed == edof.Camera.from_json(ringed.json()) and not ringed.same_lens(camera)
+    assert '"rings": []' in camera.with_mask([]).json()
     metres = camera.metres_at(4.0, nominal_m=10.0)
     assert metres is not None and camera.psi_at(metres, nominal_m=10.0) == pytest.approx(4.0)
 

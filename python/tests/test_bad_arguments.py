@@ -124,6 +124,9 @@ def cases() -> list[Case]:
         ("with_height_map high", lambda: CAMERA.with_height_map(np.ones((8, 8), np.float32), white_um=1e9, cauchy=(1.5, 0.0)), ERROR, "height"),
         ("with_aberrations index", lambda: CAMERA.with_aberrations({0: 10.0}), ERROR, "aberrations"),
         ("with_aberrations NaN", lambda: CAMERA.with_aberrations({5: float("nan")}), ERROR, "aberrations"),
+        ("with_mask kind", lambda: CAMERA.with_mask([{"cubic": {}}]), ERROR, "terms: unknown value `cubic`, expected one of `ring`"),
+        ("with_mask ring", lambda: CAMERA.with_mask([{"ring": {"inner": 0.9, "outer": 0.5, "delay": {"phase": {"rad": 1, "at_nm": 500}}}}]), ERROR, "rings is 0.9 to 0.5"),
+        ("with_mask object", lambda: CAMERA.with_mask([object()]), TypeError, "JSON"),  # type: ignore[list-item]
         ("psi_at 0 m", lambda: CAMERA.psi_at(0.0, nominal_m=10.0), ERROR, "metres 0: must be more than 0"),
         ("psi_at NaN", lambda: CAMERA.psi_at(float("nan"), nominal_m=10.0), ERROR, "metres NaN: must be more than 0"),
         ("psi_at unknown", lambda: CAMERA.psi_at(2.0), ERROR, "give nominal_m"),
@@ -238,6 +241,7 @@ def cases() -> list[Case]:
         ("save_picture ending", lambda: edof.save_picture("/tmp/x.xyz", LIGHT), ERROR, "x.xyz"),
         ("quality sizes", lambda: edof.quality(LIGHT, LIGHT[:, 2:]), ERROR, "must be equally large"),
         ("quality border", lambda: edof.quality(LIGHT, LIGHT, border=14), ERROR, "to crop 14 pixels"),
+        ("quality tone", lambda: edof.quality(LIGHT, LIGHT, tone="log"), ERROR, "tone 'log': must be linear or srgb"),
         ("psnr sizes", lambda: edof.psnr(LIGHT, LIGHT[:, 2:]), ERROR, "estimate: (30, 48) pixels, expected (32, 48)"),
         ("psnr border", lambda: edof.psnr(LIGHT, LIGHT, border=16), ERROR, "border 16: leaves nothing"),
         # What people use instead.

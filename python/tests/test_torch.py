@@ -40,7 +40,7 @@ def form(words: str, seed: int) -> edof.Network:
     return edof.Network.from_arrays(words, arrays, camera="clear")
 
 
-@pytest.mark.parametrize("words", ["one-sided,w12,t4,c24,r", "two-sided,w8,t4,c24", "two-sided,w8,t5,c24,difference,r", "one-sided,w8,t6,c24,tied,r", "two-sided,w8,t2,c24,r"])
+@pytest.mark.parametrize("words", ["one-sided,w12,t4,c24,r", "two-sided,w8,t4,c24", "two-sided,w8,t5,c24,difference,r", "one-sided,w8,t6,c24,tied,r", "two-sided,w8,t2,c24,r", "firm,w8,t4,c24,r"])
 def test_the_module_computes_what_the_network_does(words: str, tmp_path: Path) -> None:
     from edof.torch import FloatNetwork
 

@@ -64,6 +64,9 @@ def write_raw(path, values, depth):
         samples = values.astype(">u2") if depth > 8 else values.astype(np.uint8)
         path.write_bytes(header + samples.tobytes())
         return ["--bit-depth", str(depth)] if depth == 8 else []
+    if path.suffix == ".npy":
+        np.save(path, np.asfortranarray(values) if depth == 16 else values.astype(">u2"))
+        return ["--bit-depth", str(depth)]
     path.write_bytes(values.astype("<u2").tobytes())
     return ["--bit-depth", str(depth), "--size", f"{width}x{height}"]
 
@@ -177,6 +180,9 @@ class Checker:
         with Image.open(raw) as image:
             words = np.asarray(image).astype(np.int64)
         label = f"cable, {depth} bits, {phase}"
+        array = self.folder / f"{depth}-array.npy"
+        self.run("capture", "leaves", *size, "--bit-depth", depth, "--out", array)
+        self.same(label, "npy", words >> (16 - depth), np.load(array))
         self.same(label, "2vuy", *(np.frombuffer(file, np.uint8) for file in (contract.playout(words), video.read_bytes())))
         alone.write_bytes(video.read_bytes())
         network = contract.Network.load(weights)
@@ -204,9 +210,10 @@ def drawn_cases(checker):
     forms = [
         "one-sided,w8,t2,c12", "two-sided,w8,t4,c24,difference", "one-sided,w12,t4,c32,r", "two-sided,w16,t3,c20,r,tied",
         "one-sided,w12,t6,c16,r,tied,difference", "two-sided,w8,t10,c9,r", "one-sided,w16,t2,c40,r", "two-sided,w12,t5,c33,difference,r",
+        "firm,w8,t4,c24,r", "firm,w12,t5,c20,difference",
     ]  # fmt: skip
-    kinds, endings = ["ends", "full", "white", "black"], [".png", ".pgm", ".bin"]
-    for index in range(48):
+    kinds, endings = ["ends", "full", "white", "black"], [".png", ".pgm", ".npy", ".bin"]
+    for index in range(60):
         stride = [8, 4, 2][index % 3]
         bits = 8 + index % 9
         form = forms[index % len(forms)]
@@ -216,7 +223,7 @@ def drawn_cases(checker):
         values = drawn_values(kind, shape, depth, index)
         mode, gamma = ["colour", "luma"][index // 3 % 2], ["srgb", "linear", "bt709"][index % 7 % 3]
         label = f"extreme {index}: {form}, {bits} bits, stride {stride}, {kind} {shape}, {depth} bits, {phase}, {mode}, {gamma}"
-        yield label, weights, values, depth, phase, endings[index % 3], mode, gamma
+        yield label, weights, values, depth, phase, endings[index % 4], mode, gamma
     for index, (stride, window) in enumerate([(8, 12), (4, 8), (2, 16), (4, 12), (2, 8)]):
         form = f"one-sided,w{window},r"
         options = ["--kind", "natural", "--form", form, "--stride", stride, "--seed", index]

@@ -148,10 +148,11 @@ def product(matrix, vectors):
 
 
 def shrink(b, theta, kind, bits):
-    if kind == "two-sided":
-        wide = np.sign(b) * np.maximum(np.abs(b) - theta, 0)
-    else:
-        wide = np.maximum(b - theta, 0)
+    wide = {
+        "two-sided": np.sign(b) * np.maximum(np.abs(b) - theta, 0),
+        "one-sided": np.maximum(b - theta, 0),
+        "firm": np.sign(b) * np.where(np.abs(b) >= 2 * theta, np.abs(b), np.maximum(2 * (np.abs(b) - theta), 0)),
+    }[kind]
     z = saturate(wide, bits)
     return z, int(np.count_nonzero(z != wide))
 

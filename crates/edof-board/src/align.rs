@@ -5,12 +5,14 @@
 
 use crate::board::Board;
 use crate::chips::{Bus, ChipRegister};
-use crate::clocks::{is_clock, mode};
+use crate::clocks::is_clock;
 use crate::error::Error;
 use crate::line::Line;
+use edof_device::Design;
 use edof_device::i2c::receiver::{CLOCK_POLARITY, CLOCK_TAP, IO, clock_polarity, clock_tap};
 use edof_device::input_timing::TAPS;
 use edof_device::registers::map::{INPUT_CODES, VIDEO_SETUP, register};
+use edof_device::video::VideoTiming;
 use serde::Serialize;
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -81,12 +83,12 @@ pub struct Alignment {
 }
 
 /// What is asked of an alignment.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Align {
+#[derive(Debug, Clone, Copy)]
+pub struct Align<'a> {
     /// Undamaged sync codes required of a good setting.
     pub codes: u32,
-    /// Whether the receiver's clock must be the design's: that of a simulated circuit is not.
-    pub clocks: bool,
+    /// The design whose pixel clock the receiver must have; `None` for a simulated circuit, which has another.
+    pub clock_of: Option<&'a Design>,
 }
 
 /// Codes after a change that do not count, and for how long they are waited for.
@@ -104,15 +106,15 @@ impl<L: Line> Board<L> {
     /// the line fails.
     pub fn align(
         &mut self,
-        align: Align,
+        align: Align<'_>,
         report: &mut dyn FnMut(&Trial) -> ControlFlow<()>,
     ) -> Result<Alignment, Error> {
         let done = "i2c_card.done".parse().and_then(|place| self.get(place))?;
         if done == 0 {
             return Err(Error::NoReceiver { port: self.port() });
         }
-        if align.clocks {
-            self.check_clock()?;
+        if let Some(design) = align.clock_of {
+            self.check_clock(design)?;
         }
         let before = self.link.read(VIDEO_SETUP, 1)?[0];
         let trials = self.try_all(align.codes, report);
@@ -134,10 +136,10 @@ impl<L: Line> Board<L> {
         }
     }
 
-    fn check_clock(&mut self) -> Result<(), Error> {
-        let wanted = mode(self.identity.width, self.identity.height);
+    fn check_clock(&mut self, design: &Design) -> Result<(), Error> {
+        let wanted = VideoTiming::on_the_cable(design.frame);
         let expected = wanted.pixel_khz as f64 / 1e3;
-        let found = self.pixel_clocks()?.map_or(0.0, |clocks| clocks.input);
+        let found = self.pixel_clocks(design.board)?.map_or(0.0, |clocks| clocks.input);
         if is_clock(found, expected) {
             return Ok(());
         }

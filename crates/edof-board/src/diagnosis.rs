@@ -1,8 +1,8 @@
 //! How the video chips are, in words: what each of them waits for, or that it works.
 
-use crate::clocks::mode;
 use crate::status::StatusSnapshot;
 use edof_device::i2c::{self, Cause};
+use edof_device::video::VideoTiming;
 use serde::Serialize;
 
 /// What is said of a chip.
@@ -53,7 +53,7 @@ fn set_up(look: &StatusSnapshot, register: &str, bus: usize) -> Result<(), Strin
     if value("failed") == 0 {
         return Err(format!("is being set up, entry {entry}"));
     }
-    let program = &i2c::programs(mode(look.value("frame_size.width"), look.value("frame_size.height")))[bus];
+    let program = &i2c::programs(VideoTiming::P1080_60)[bus];
     let step = program.get(entry as usize).map_or("", |entry| entry.doc);
     let cause = Cause::of_number(value("cause"));
     let told = cause.map_or_else(|| "fails".to_owned(), |cause| cause.to_string());

@@ -44,6 +44,8 @@
 //! Stable: register names, addresses and frames on the line of register map 2.x (docs/host.md). Signatures may change between minor versions until 1.0;
 //! `examples/load_a_network.rs` is kept compiling.
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 pub mod align;
 pub mod board;
 pub mod check;

@@ -1,7 +1,7 @@
 //! A line to a board: bytes there, bytes back.
 
 use crate::error::Error;
-use edof_device::board::BAUD;
+use edof_device::board::KC705;
 use serialport::{ClearBuffer, SerialPort, SerialPortType};
 use std::io::{self, IsTerminal, Read, Write};
 use std::time::{Duration, Instant};
@@ -207,4 +207,4 @@ pub fn ports() -> Vec<Port> {
 }
 
 /// The speed of the KC705's line.
-pub const DEFAULT_BAUD: u32 = BAUD;
+pub const DEFAULT_BAUD: u32 = KC705.baud;

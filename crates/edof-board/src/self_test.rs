@@ -7,7 +7,6 @@ use crate::diagnosis::findings;
 use crate::error::Error;
 use crate::line::Line;
 use edof_device::Design;
-use edof_device::board::CORE_KILOHERTZ;
 use edof_device::crc::{Place, single_bit};
 use edof_device::pattern::Pattern;
 use edof_device::registers::map;
@@ -152,8 +151,9 @@ impl<L: Line> Board<L> {
     /// Clocks of screen and input in cycles of the core's.
     fn try_clocks(&mut self, test: &SelfTest<'_>) -> Result<Result<String, String>, Error> {
         let expected = VideoTiming::of_frame(test.design.frame).pixel_khz as f64 / 1e3;
-        let core = f64::from(CORE_KILOHERTZ) / 1e3;
-        let Some(clocks) = self.pixel_clocks()? else {
+        let board = test.design.board;
+        let core = f64::from(board.core_khz) / 1e3;
+        let Some(clocks) = self.pixel_clocks(board)? else {
             return Ok(Err("the core's clock stands still".into()));
         };
         let rates = format!(

@@ -264,7 +264,8 @@ fn place(
     seed: u64,
 ) -> Result<Option<Boundary>, Error> {
     let options = Options { cache: Options::user_cache(), ..Options::default() };
-    let board = VerilogBoard::of_project(project, design, frame, (Speed::of(FAST)?, seed), &options)?;
+    let board =
+        VerilogBoard::of_project(project, design, frame, (Speed::of(design.board, FAST)?, seed), &options)?;
     let expected = golden.checks(display, &carried(frame))?;
     let mut step = |_, _| match interrupt::check() {
         Ok(()) => ControlFlow::Continue(()),

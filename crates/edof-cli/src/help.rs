@@ -8,14 +8,11 @@ const TEMPLATE: &str = "{about}{after-help}\n\n{usage-heading} {usage}\n\n{all-a
 
 /// Options of every command, by what they are about. An option that no group names is about the command itself.
 const EVERYWHERE: [Group; 5] = [
-    ("Connection to the board", &["port", "baud", "timeout", "design"]),
-    ("Photographs", &["images", "photos"]),
-    ("Rows of the study", &["rows", "shard", "any-revision"]),
-    (
-        "Files to write",
-        &["markdown", "report", "csv", "plot", "junit", "waveform", "cameras", "out", "force"],
-    ),
-    ("Results and progress", &["json", "quiet", "progress", "help"]),
+    ("Connection to the board", "port baud timeout design"),
+    ("Photographs", "images photos"),
+    ("Rows of the study", "rows shard any-revision"),
+    ("Files to write", "markdown report csv plot junit waveform cameras out force"),
+    ("Results and progress", "json quiet progress help"),
 ];
 
 /// Options of the commands that have many, by command; the first group that names an option has it.
@@ -23,142 +20,84 @@ const COMMANDS: [(&str, &[Group]); 10] = [
     (
         "capture",
         &[
-            ("Scene", &["size", "seed", "tone", "depth-map", "range", "map-of", "map-unit", "layers"]),
-            ("Lens and depth", &["camera", "psf-bank", "psi", "nominal"]),
-            ("Sensor", &["bit-depth", "phase", "noise", "black-level"]),
-            ("Files to write", &["out", "video", "values", "sharp", "light"]),
-            ("Accuracy", &["energy", "wavelength-tolerance", "depth-tolerance", "exact", "measure"]),
+            ("Scene", "size seed tone depth-map range map-of map-unit layers"),
+            ("Lens and depth", "camera psf-bank psi nominal"),
+            ("Sensor", "bit-depth phase noise black-level"),
+            ("Files to write", "out video values sharp light"),
+            ("Accuracy", "energy wavelength-tolerance depth-tolerance exact measure"),
         ],
     ),
     (
         "reconstruct",
         &[
-            ("Network", &["weights", "fixed", "float", "device", "stride"]),
-            ("Lens of the frame", &["camera", "psf-bank"]),
-            ("Format of the frame", &["phase", "bit-depth", "video", "size", "align", "order", "packing"]),
-            ("Levels and colours", &["black-level", "white-level", "white-balance", "colour-matrix"]),
-            ("Picture", &["out", "tone", "gamma", "bits", "board", "display", "words", "force"]),
+            ("Network", "weights fixed float device stride"),
+            ("Lens of the frame", "camera psf-bank"),
+            ("Format of the frame", "phase bit-depth video size align order packing"),
+            ("Levels and colours", "black-level white-level white-balance colour-matrix"),
+            ("Picture", "out tone gamma bits board display words force"),
         ],
     ),
     (
         "train",
         &[
-            ("Network", &["form", "from", "only", "structure", "start", "out", "name", "force"]),
-            ("Lens and depth", &["camera", "psf-bank", "depths", "psi"]),
-            ("Photographs", &["images", "photos", "leave-out", "variants", "saturation", "hue", "scale"]),
-            ("Light and noise", &["tone", "noise", "gain", "noiseless", "flat", "exposure"]),
-            ("Sparsity", &["lambda", "non-zeros", "budget-rate"]),
-            (
-                "Steps",
-                &[
-                    "steps",
-                    "minutes",
-                    "batch",
-                    "rate",
-                    "output-rate",
-                    "threshold-rate",
-                    "averaging",
-                    "weighting",
-                    "seed",
-                ],
-            ),
-            ("Run", &["threads", "validate-every", "patience", "resume", "no-cache"]),
+            ("Network", "form from only structure start out name force"),
+            ("Lens and depth", "camera psf-bank depths psi"),
+            ("Photographs", "images photos leave-out variants saturation hue scale"),
+            ("Light and noise", "tone noise gain noiseless flat exposure"),
+            ("Sparsity", "lambda non-zeros budget-rate"),
+            ("Steps", "steps minutes batch rate output-rate threshold-rate averaging weighting seed"),
+            ("Run", "threads validate-every patience resume no-cache"),
         ],
     ),
     (
         "cosim",
         &[
-            ("Hardware", &["design", "weights", "rtl", "skip", "stride", "window", "size"]),
-            ("Windows", &["photo", "psi", "noise", "random", "cases", "patches", "stalls", "seed"]),
-            ("Whole core", &["system", "frames", "display"]),
-            ("Simulators and results", &["icarus", "waveform", "junit", "force"]),
+            ("Hardware", "design weights rtl skip stride window size"),
+            ("Windows", "photo psi noise random cases patches stalls seed"),
+            ("Whole core", "system frames display"),
+            ("Simulators and results", "icarus waveform junit force"),
         ],
     ),
     (
         "optics design",
         &[
-            ("Mask and focus", &["camera", "rings", "focus", "max-phase"]),
-            ("Score", &["psi-range", "noise", "worst-weight", "window", "images"]),
-            ("Search", &["population", "generations", "seed"]),
+            ("Mask and focus", "camera rings focus max-phase"),
+            ("Score", "psi-range noise worst-weight window images"),
+            ("Search", "population generations seed"),
         ],
     ),
-    (
-        "quantize",
-        &[
-            ("Integers", &["bits", "headroom", "stride", "overlap"]),
-            ("Fine-tuning", &["finetune", "finetune-rate"]),
-        ],
-    ),
+    ("quantize", &[("Integers", "bits headroom stride overlap"), ("Fine-tuning", "finetune finetune-rate")]),
     (
         "demo",
         &[
-            ("Scene and sensor", &["scene", "tone", "noise", "height", "width"]),
-            ("Networks and board", &["net", "clear-net", "design"]),
+            ("Scene and sensor", "scene tone noise height width"),
+            ("Networks and board", "net clear-net design"),
         ],
     ),
-    ("board load", &[("Load", &["bank", "full", "curve"]), ("Checks", &["read-back", "dry-run"])]),
+    ("board load", &[("Load", "bank full curve"), ("Checks", "read-back dry-run")]),
     (
         "board sim",
-        &[
-            ("Simulated board", &["rtl", "design", "weights", "frame", "size"]),
-            ("Files to write", &["link", "picture"]),
-        ],
+        &[("Simulated board", "rtl design weights frame size"), ("Files to write", "link picture")],
     ),
     (
         "study",
         &[
-            ("Lens and depth", &["camera", "psi", "psi-ranges", "stops", "exact"]),
+            ("Lens and depth", "camera psi psi-ranges stops exact"),
             (
                 "Networks and methods",
-                &[
-                    "nets",
-                    "net",
-                    "networks",
-                    "clear-net",
-                    "methods",
-                    "device",
-                    "stride",
-                    "dictionary",
-                    "external",
-                    "external-seconds",
-                    "knobs",
-                    "allowed",
-                    "only",
-                    "cases",
-                    "quick",
-                    "windows",
-                    "weights",
-                    "design",
-                    "fps",
-                    "atoms",
-                    "errors",
-                    "sparsity",
-                    "patches",
-                    "rounds",
-                    "window",
-                ],
+                "nets net networks clear-net methods device stride dictionary external external-seconds knobs \
+                 allowed only cases quick windows weights design fps atoms errors sparsity patches rounds window",
             ),
             (
                 "Scene, light and noise",
-                &[
-                    "scenes",
-                    "tone",
-                    "noise",
-                    "height",
-                    "width",
-                    "side",
-                    "seed",
-                    "photo",
-                    "electrons",
-                    "read-noise",
-                    "mean-light",
-                ],
+                "scenes tone noise height width side seed photo electrons read-noise mean-light",
             ),
         ],
     ),
 ];
 
-type Group = (&'static str, &'static [&'static str]);
+/// A heading, and the names of its options with blanks between them.
+type Group = (&'static str, &'static str);
 
 /// A command and all below it with examples first and options in groups.
 pub fn arranged(command: Command) -> Command {
@@ -181,7 +120,7 @@ fn in_its_group(arg: Arg, path: &str) -> Arg {
     let everywhere = EVERYWHERE
         .iter()
         .filter(|(heading, _)| !heading.starts_with("Connection") || is_below(path, "board"));
-    match own.chain(everywhere).find(|(_, names)| names.contains(&name.as_str())) {
+    match own.chain(everywhere).find(|(_, names)| names.split(' ').any(|one| one == name)) {
         Some((heading, _)) => arg.help_heading(*heading),
         None => arg,
     }
@@ -277,11 +216,11 @@ mod tests {
             found.extend(names.map(|name| (path.to_owned(), name.to_owned())));
         });
         for (command, groups) in COMMANDS.iter().copied().chain([("", EVERYWHERE.as_slice())]) {
-            for name in groups.iter().flat_map(|(_, names)| names.iter()) {
+            for name in groups.iter().flat_map(|(_, names)| names.split(' ')) {
                 let exists = |(path, option): &(String, String)| {
                     option == name && (command.is_empty() || is_below(path, command))
                 };
-                let is_global = command == "board sim" && *name == "design";
+                let is_global = command == "board sim" && name == "design";
                 assert!(is_global || found.iter().any(exists), "edof {command} has no --{name}");
             }
         }

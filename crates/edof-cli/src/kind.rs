@@ -3,6 +3,7 @@
 
 use edof_core::storage::input;
 use edof_io::picture::Format;
+use edof_io::raw::{self, RawFormat};
 use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
@@ -34,6 +35,8 @@ pub enum Kind {
     Weights,
     /// Pixels without a header.
     Pixels,
+    /// A raw frame of another format, by the name of its files.
+    Raw(&'static str),
     /// Kept by other means, or of no kind that can be known.
     Any,
 }
@@ -58,11 +61,14 @@ impl Kind {
     }
 
     fn of_ending(file: &Path) -> Self {
-        match file.extension().and_then(|ending| ending.to_str()) {
-            _ if Format::of_ending(file).is_some() => Self::Picture,
-            Some("html") => Self::Report,
-            Some("svg") => Self::Svg,
-            Some("raw" | "bin" | "yuyv") => Self::Pixels,
+        if Format::of_ending(file).is_some() {
+            return Self::Picture;
+        }
+        match (file.extension().and_then(|ending| ending.to_str()), raw::of_ending(file)) {
+            (_, Some(RawFormat { read: raw::Read::Headerless(_), .. })) | (Some("yuyv"), _) => Self::Pixels,
+            (_, Some(format)) => Self::Raw(format.noun),
+            (Some("html"), _) => Self::Report,
+            (Some("svg"), _) => Self::Svg,
             _ => Self::Any,
         }
     }
@@ -95,6 +101,7 @@ impl Kind {
             Self::Pixels => {
                 content(head) == OTHER || (content(head) == TEXT && !head.iter().any(u8::is_ascii_whitespace))
             }
+            Self::Raw(noun) => content(head) == noun,
             Self::Any => true,
         }
     }
@@ -114,6 +121,7 @@ impl Display for Kind {
             Self::Picture => "a picture",
             Self::Weights => WEIGHTS,
             Self::Pixels => "pixels without a header",
+            Self::Raw(noun) => noun,
             Self::Any => "a file",
         })
     }
@@ -126,13 +134,13 @@ const OTHER: &str = "other data";
 /// What a file holds, by how it begins.
 fn content(head: &[u8]) -> &'static str {
     let is_text = std::str::from_utf8(head).map_or_else(|e| e.error_len().is_none(), |_| true);
+    if let Some(format) = raw::of_content(head) {
+        return format.noun;
+    }
     match Format::of(head) {
-        Some(Format::Png) => "a PNG picture",
-        Some(Format::Tiff) => "a TIFF picture",
-        Some(Format::Pnm) => "a PGM or PPM picture",
         Some(Format::Jpeg) => "a JPEG picture",
         Some(Format::WebP) => "a WebP picture",
-        Some(Format::Bmp) => "a BMP picture",
+        Some(_) => "a BMP picture",
         None if head.starts_with(b"PK\x03\x04") => "an NPZ or ZIP archive",
         None if head.starts_with(b"%PDF") => "a PDF document",
         None if head.get(8) == Some(&b'{') && head[4..8] == [0; 4] => WEIGHTS,

@@ -8,25 +8,25 @@
 //! | no output replaces an input or another output | [`files`] |
 //! | Ctrl-C | [`interrupt`] |
 //! | as many threads as the system lets start | [`threads`] |
-//! | whether a job fits the machine | [`memory`] |
 //! | photographs, of even sides | [`pictures`] |
 //! | what is written about a run into its results | [`provenance`] |
-//! | what a network runs on | [`device`] |
 //! | the whole core in simulation, and the demo's board | [`cosim_system`], [`demo_board`] |
 //! | errors that name the option and the file | [`said`] |
 //! | what is wrong with options, in plain words | [`usage`] |
 //! | options that have an effect only beside others | [`effects`] |
 //! | screens of help: examples first, options in groups | [`help`] |
 //! | windows to feed the hardware with | [`windows`] |
-//! | arrays for NumPy, and words at stage boundaries | [`npz`], [`words`] |
 //!
 //! Exit status: 0 done, 1 rejected or failed (one line, `edof: …`; with `--progress json` an object), 2 wrong usage, 130 stopped by Ctrl-C.
+
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
+// With the features that the Python package needs (docs/decisions/0044-python.md).
+use once_cell as _;
 
 mod commands;
 mod cosim_system;
 mod demo_board;
-mod depth_map;
-mod device;
 mod effects;
 mod error;
 mod error_bounds;
@@ -34,19 +34,15 @@ mod files;
 mod help;
 mod interrupt;
 mod kind;
-mod memory;
-mod npz;
 #[cfg(test)]
 mod pages;
 mod pictures;
 mod provenance;
 mod said;
-mod scene_file;
 mod threads;
 mod ui;
 mod usage;
 mod windows;
-mod words;
 
 use clap::{ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
 use edof::presets::{designs, lens, weights};

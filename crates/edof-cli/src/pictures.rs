@@ -1,67 +1,48 @@
-//! Photographs that a command is given, ready for a sensor: whole Bayer cells.
+//! Photographs that a command is given, with remarks in the program's words.
 
 use crate::error::Error;
 use crate::ui::Ui;
+use edof::job::PictureNote;
+use edof::job::photograph;
+pub use edof::job::photograph::{Tones, whole_cells};
+use edof_core::words::count;
 use edof_core::{ColourFrame, Tone};
-use edof_io::photo::{self, Photograph};
-use edof_io::transfer::Transfer;
 use std::path::Path;
-
-/// Tone of a photograph: the user's, else the one that its file states, else the usual one.
-#[derive(Debug, Clone, Copy)]
-pub struct Tones {
-    pub given: Option<Tone>,
-    pub usual: Tone,
-}
-
-impl Tones {
-    /// The tone of a file's values. A note states what decided where the file states other than what is taken.
-    pub fn of(self, path: &Path, stated: Option<&Transfer>, ui: &Ui) -> Tone {
-        let Some(stated) = stated else { return self.given.unwrap_or(self.usual) };
-        let shown = path.display();
-        match (self.given, stated.tone()) {
-            (Some(given), Some(tone)) if given != tone => {
-                ui.note(format!("--tone {given}: taken, though {shown} states {stated}"));
-                given
-            }
-            (Some(given), Some(_)) => given,
-            // In the paper's convention even sRGB codes are taken for light.
-            (None, Some(Tone::Linear)) if self.usual != Tone::Linear => {
-                ui.note(format!("{shown}: states {stated}; its values are taken as linear"));
-                Tone::Linear
-            }
-            (None, Some(_)) => self.usual,
-            (given, None) => {
-                let tone = given.unwrap_or(self.usual);
-                ui.note(format!(
-                    "{shown}: states {stated}, which is not applied; its values are taken as {tone}"
-                ));
-                tone
-            }
-        }
-    }
-}
 
 /// Reads a photograph, and the tone of its values; of an odd side the last row or column is cut off, with a note.
 ///
 /// # Errors
 /// A file that is not a photograph.
 pub fn load(path: &Path, tones: Tones, ui: &Ui) -> Result<(ColourFrame, Tone), Error> {
-    let Photograph { frame, transfer } = photo::open(path)?;
-    let tone = tones.of(path, transfer.as_ref(), ui);
-    let (height, width) = frame.size();
-    let (even_height, even_width) = whole_cells((height, width));
-    if (even_height, even_width) == (height, width) {
-        return Ok((frame, tone));
-    }
-    ui.note(format!(
-        "{}: {width}x{height} cropped to {even_width}x{even_height}, whole Bayer cells",
-        path.display()
-    ));
-    Ok((frame.crop(0, 0, even_height, even_width), tone))
+    Ok(photograph::load(path, tones, &|note| ui.note(in_words(&note)))?)
 }
 
-/// Rows and columns of whole Bayer cells. What holds none stays as it is and is rejected as a frame.
-pub const fn whole_cells((height, width): (usize, usize)) -> (usize, usize) {
-    if height < 2 || width < 2 { (height, width) } else { (height & !1, width & !1) }
+/// A remark on a picture, by the option that it is about.
+pub fn in_words(note: &PictureNote) -> String {
+    match note {
+        PictureNote::ToneOverridden { path, given, stated } => {
+            format!("--tone {given}: taken, though {} states {stated}", path.display())
+        }
+        PictureNote::Linear { path, stated } => {
+            format!("{}: states {stated}; its values are taken as linear", path.display())
+        }
+        PictureNote::CurveNotApplied { path, stated, tone } => format!(
+            "{}: states {stated}, which is not applied; its values are taken as {tone}",
+            path.display()
+        ),
+        PictureNote::Cropped { path, from, to } => {
+            format!("{}: {from} cropped to {to}, whole Bayer cells", path.display())
+        }
+        PictureNote::Holes { path, pixels } => {
+            let pixels = count(*pixels, "pixel");
+            format!(
+                "{}: {pixels} without a reading (0 or 65535), filled with the nearest one",
+                path.display()
+            )
+        }
+        PictureNote::OutsideOfLimits { path, pixels, limits } => {
+            let (path, outside) = (path.display(), count(*pixels, "pixel"));
+            format!("{path}: {outside} outside of --range {limits}, taken to be at its ends")
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::lens::Depth;
+use edof::job::memory;
 use edof_core::camera::Camera;
 use edof_core::words::number;
 use edof_core::{Stride, Window};
@@ -15,6 +16,14 @@ use std::path::Path;
 /// A failure of a file that was named.
 pub fn of_file(file: impl AsRef<Path>, error: impl Display) -> Error {
     Error::message(format!("{}: {error}", file.as_ref().display()))
+}
+
+/// Rejects a job that needs more memory than is free; `job` names it and the option that would make it smaller.
+///
+/// # Errors
+/// One line with both sizes.
+pub fn memory(job: &str, bytes: f64) -> Result<(), Error> {
+    memory::check(bytes).map_err(|e| Error::message(format!("{job}: {e}")))
 }
 
 /// A failure that begins with a field and its value, as in `code_bits 3: must be …`: those of the option that says so take their place.
@@ -66,9 +75,9 @@ pub fn window(side: usize) -> Result<Window, Error> {
 /// # Errors
 /// A network for a coded lens.
 pub fn clear(net: &str, camera: &Camera) -> Result<(), Error> {
-    match camera.has_mask() {
-        false => Ok(()),
-        true => Err(Error::message(format!(
+    match camera.is_clear() {
+        true => Ok(()),
+        false => Err(Error::message(format!(
             "--clear-net {net}: trained for the camera {}, which has a mask; expected a network for a clear lens",
             camera.name
         ))),

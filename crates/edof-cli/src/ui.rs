@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use edof_core::storage::provenance::{Input, Provenance};
-use edof_study::journal::Maker;
+use edof_study::journal::{Maker, RowsFile};
 use edof_study::made::Made;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
@@ -91,14 +91,14 @@ impl Ui {
         self.provenance.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// How a page of this run was made, with the programs that measured its rows.
-    pub fn made(&self, makers: Vec<Maker>) -> Made {
-        Made { command: self.command.clone(), makers }
+    /// How a page of this run was made, with the programs that measured its rows and the file that holds them.
+    pub fn made(&self, makers: Vec<Maker>, rows: Option<RowsFile>) -> Made {
+        Made { command: self.command.clone(), makers, rows }
     }
 
     /// How a page was made whose every number this run measured itself.
     pub fn made_here(&self) -> Made {
-        self.made(vec![Maker::Program(crate::provenance::program())])
+        self.made(vec![Maker::Program(crate::provenance::program())], None)
     }
 
     /// A command as reports state it: with the program that ran it, where and on which day, as a shell's remark.

@@ -8,10 +8,10 @@ use crate::ui::Ui;
 use edof_core::storage::provenance::Input;
 use edof_core::{Noise, RawFrame, Tone};
 use edof_network::FixedNetwork;
+use edof_optics::Scene;
+use edof_optics::Sensor;
 use edof_optics::capture::{Approximation, capture};
 use edof_optics::draw::{Builtin, draw};
-use edof_optics::scene::Scene;
-use edof_optics::sensor::Sensor;
 use std::path::PathBuf;
 
 /// Size of the built-in scene: 1536 patches at stride 8.

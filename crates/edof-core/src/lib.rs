@@ -31,6 +31,8 @@
 //!
 //! Stable: number formats, phases, window and patch positions (docs/contract.md). Signatures may change between minor versions until 1.0.
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 pub mod cable;
 pub mod camera;
 pub mod cfa;

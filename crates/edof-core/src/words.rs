@@ -46,6 +46,22 @@ pub fn count(count: usize, what: &str) -> String {
     format!("{count} {what}{ending}")
 }
 
+/// Words as alternatives.
+///
+/// ```
+/// use edof_core::words::alternatives;
+/// assert_eq!(alternatives([".png", ".tif", ".pgm"]), ".png, .tif or .pgm");
+/// assert_eq!(alternatives(["none"]), "none");
+/// ```
+#[must_use]
+pub fn alternatives<T: ToString>(words: impl IntoIterator<Item = T>) -> String {
+    let words: Vec<String> = words.into_iter().map(|word| word.to_string()).collect();
+    match &words[..] {
+        [others @ .., last] if !others.is_empty() => format!("{} or {last}", others.join(", ")),
+        words => words.concat(),
+    }
+}
+
 /// The sides of an array as people write them.
 ///
 /// ```

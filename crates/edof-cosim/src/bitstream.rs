@@ -5,21 +5,18 @@ use crate::system::{self, PictureError, TableWords};
 use edof_core::draw::Draw;
 use edof_core::storage::folder::{self, Contents, FolderError};
 use edof_device::Design;
+use edof_device::board::{Board, Shell};
 use edof_device::design::DesignError;
-use edof_device::registers::identity;
 use edof_golden::display::Display;
 use edof_golden::scalar;
 use edof_hdl::benches::Recorded;
 use edof_hdl::board::Identity;
-use edof_hdl::kc705::{self, Kc705};
-use edof_hdl::litex;
+use edof_hdl::board_project::{self, BoardProject};
 use edof_hdl::project::ProjectError;
 use edof_network::FixedNetwork;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// The design's top module.
-const TOP: &str = "kc705_top";
 /// Windows that the test bench tries.
 const TRIED: usize = 12;
 
@@ -69,13 +66,15 @@ pub enum BitstreamError {
     Folder(#[from] FolderError),
 }
 
-/// What stands around the core.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shell {
-    /// `kc705_top`, with Xilinx' MIG.
-    Mig,
-    /// The same, and beside it a LiteX target with LiteDRAM (`litex/`).
-    Litex,
+/// Returns a shell of a design's board, without a name the first.
+///
+/// # Errors
+/// [`DesignError::Lacks`]: the board has none, or none of that name.
+pub fn shell(design: &Design, name: Option<&str>) -> Result<&'static Shell, DesignError> {
+    let board: &'static Board = design.board;
+    let found = name.map_or_else(|| board.shells.first(), |name| board.shell(name));
+    let what = || name.map_or_else(|| "shell to write sources for".into(), |name| format!("shell '{name}'"));
+    found.ok_or_else(|| DesignError::Lacks { board: board.name, what: what() })
 }
 
 /// The files of a folder, in memory.
@@ -85,17 +84,18 @@ pub struct Sources {
     about: Value,
     /// Modules, their bytes, memory images.
     counts: [usize; 3],
+    top: &'static str,
     /// The calculator's clock.
     clock_mhz: f64,
 }
 
 impl Sources {
-    /// Those of a design with [`Shell::Mig`]; both sets of weights start with the network.
+    /// Makes those of a design with its board's first shell; both sets of weights start with the network.
     ///
     /// # Errors
     /// Design and network do not fit each other.
     pub fn of(design: &Design, network: &FixedNetwork) -> Result<Self, BitstreamError> {
-        Self::told(design, network, Shell::Mig, |_, _, _| ())
+        Self::told(design, network, shell(design, None)?, |_, _, _| ())
     }
 
     /// Those of a design and a shell, with a call before each step: how many are done, of how many, and which is next.
@@ -105,14 +105,14 @@ impl Sources {
     pub fn told(
         design: &Design,
         network: &FixedNetwork,
-        shell: Shell,
+        shell: &Shell,
         mut told: impl FnMut(usize, usize, &str),
     ) -> Result<Self, BitstreamError> {
         let project = project(design, network, shell, &mut told)?;
         let about = json!({
             "design": design,
             "weights": { "name": network.origin.name, "float_sha256": network.float_hash },
-            "top": TOP,
+            "top": shell.top,
         });
         let core = &project.core;
         let verilog = core.verilog.iter().map(|(_, text)| text.len()).sum();
@@ -122,7 +122,7 @@ impl Sources {
         if let Some(page) = contents.get_mut(Path::new("README.md")) {
             page.push_str(&promise::section(design)?);
         }
-        Ok(Self { contents, about, counts, clock_mhz: design.clock_mhz })
+        Ok(Self { contents, about, counts, top: shell.top, clock_mhz: design.clock_mhz })
     }
 
     /// Paths of all files in the folder.
@@ -149,9 +149,9 @@ impl Sources {
     /// What was written where, in words.
     #[must_use]
     pub fn summary(&self, out: &Path) -> String {
-        let [modules, bytes, images] = self.counts;
+        let Self { counts: [modules, bytes, images], top, .. } = self;
         format!(
-            "{}: {modules} modules ({} kB of Verilog, top {TOP}), {images} memory images; calculator at {} MHz",
+            "{}: {modules} modules ({} kB of Verilog, top {top}), {images} memory images; calculator at {} MHz",
             out.display(),
             bytes / 1000,
             self.clock_mhz
@@ -163,27 +163,20 @@ impl Sources {
 fn project(
     design: &Design,
     network: &FixedNetwork,
-    shell: Shell,
+    shell: &Shell,
     told: &mut impl FnMut(usize, usize, &str),
-) -> Result<Kc705, BitstreamError> {
+) -> Result<BoardProject, BitstreamError> {
     design.check_network(network)?;
     let display = Display::of_network(network);
     let words = TableWords::of(&display);
-    let identity = Identity {
-        design_hash: identity::design_hash(design),
-        weights_hash: identity::weights_hash(design, network),
-        frame: (design.frame.width as u16, design.frame.height as u16),
-    };
+    let identity = Identity::of(design, network);
     told(0, STEPS, "windows of the bench");
     let (windows, patches) = windows(design, network);
     told(1, STEPS, "pictures of the bench");
     let recorded = Recorded { windows, patches, video: system::recorded(design, network, &display)? };
     told(2, STEPS, "circuits as Verilog");
-    let mut project = kc705::project(design, [network, network], &identity, &words.tables(), &recorded)?;
-    if shell == Shell::Litex {
-        project.files.extend(litex::files(design, &recorded.video)?);
-    }
-    Ok(project)
+    let sets = [network, network];
+    Ok(board_project::project(design, shell, sets, &identity, &words.tables(), &recorded)?)
 }
 
 /// Windows for the calculator's bench, and the patches that they become: some at the ends of their range, some of dim noise.
@@ -199,7 +192,7 @@ fn windows(design: &Design, network: &FixedNetwork) -> (Vec<Vec<i16>>, Vec<Vec<i
 }
 
 /// Every file by its path in the folder.
-fn contents(project: &Kc705) -> Contents {
+fn contents(project: &BoardProject) -> Contents {
     let core = &project.core;
     let verilog = core.verilog.iter().map(|(name, text)| (format!("rtl/{name}"), text.clone()));
     let names = core.verilog.iter().map(|(name, _)| format!("rtl/{name}\n"));

@@ -4,12 +4,13 @@ use crate::chain::check::stage_names;
 use edof_core::RawFrame;
 use edof_core::geometry::GeometryError;
 use edof_device::Design;
+use edof_device::board::{Part, Resources};
 use edof_device::design::memory::Set;
 use edof_golden::cycle::estimate::{Estimate, estimate};
 use edof_golden::cycle::{Cycle, CycleError, Patch, Summary};
 use edof_golden::video::figures::{CoreCycles, Figures, Periods, figures};
 use edof_golden::windows;
-use edof_hdl::resources::{self, Resources, XC7K325T};
+use edof_hdl::resources;
 use edof_network::FixedNetwork;
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
@@ -129,8 +130,8 @@ pub struct Estimated<'a> {
     pub stages: Vec<Resources>,
     /// Cells of all.
     pub total: Resources,
-    /// The whole board at the design's clock, a camera and a screen of its frames' standard timing.
-    pub board: Figures,
+    /// From video input to output at the design's clock, with standard timing, where the board has both.
+    pub board: Option<Figures>,
 }
 
 impl<'a> Estimated<'a> {
@@ -146,13 +147,22 @@ impl<'a> Estimated<'a> {
             limiting: measured.map_or_else(|| ahead.limiting_stage(), Measured::limiting_stage),
             stages: resources::stages(design),
             total: resources::whole(design),
-            board: figures(design.frame, CoreCycles::of(design, cycles, latency), periods),
+            board: design
+                .video()
+                .ok()
+                .map(|_| figures(design.frame, CoreCycles::of(design, cycles, latency), periods)),
             design,
             measured,
             pairs,
             ahead,
             cycles,
         }
+    }
+
+    /// Returns the FPGA that the cells are those of.
+    #[must_use]
+    pub const fn part(&self) -> &'static Part {
+        &self.design.board.part
     }
 
     /// Frames per second at the given cycles per patch.
@@ -165,7 +175,7 @@ impl<'a> Estimated<'a> {
     #[must_use]
     pub fn json(&self, weights: Option<&str>) -> Value {
         let Self { design, measured, pairs, ahead, cycles, stages, total, board, .. } = self;
-        let names = stage_names(stages.len());
+        let (names, part) = (stage_names(stages.len()), self.part());
         let picture = |Picture { name, summary }: &Picture| {
             json!({
                 "picture": name,
@@ -182,34 +192,33 @@ impl<'a> Estimated<'a> {
                 "stage": names[index],
                 "cycles_per_patch": ahead.stages[index].largest(),
                 "pairs_per_patch": pairs.as_ref().map(|p| p[index]),
-                "resources": used,
+                "resources": part.named(used),
             })
         };
-        let (scarcest, share) = total.fullest(&XC7K325T);
-        json!({
+        let (scarcest, share) = part.fullest(total);
+        let mut told = json!({
             "design": design.name,
             "weights": weights,
-            "dsp48e1": total.dsp48e1,
-            "ramb36e1": total.ramb36e1,
-            "ramb18e1": total.ramb18e1,
-            "lut": total.lut,
-            "ff": total.ff,
             "clock_mhz": design.clock_mhz,
             "cycles_per_patch": cycles,
             "most_cycles_per_patch": measured.map(Measured::max_cycles),
             "frames_per_second": self.rate(*cycles),
             "limiting_stage": names[self.limiting],
-            "board": {
+            "board": board.as_ref().map(|board| json!({
                 "frames_per_second": board.frames_per_second,
                 "memory_written_per_second": board.written,
                 "memory_read_per_second": board.read,
                 "latency_seconds": board.latency,
-            },
+            })),
             "scarcest": scarcest,
             "share_of_scarcest": share,
             "stages": stages.iter().enumerate().map(stage).collect::<Vec<_>>(),
             "slowest_picture": measured.and_then(Measured::worst).map(picture),
             "pictures": measured.map(|measured| measured.0.iter().map(picture).collect::<Vec<_>>()),
-        })
+        });
+        for (name, count) in part.named(total).0 {
+            told[name.to_lowercase()] = count.into();
+        }
+        told
     }
 }

@@ -4,12 +4,13 @@ use crate::estimate::MeasureError;
 use edof_core::colour::OUTPUTS_422;
 use edof_core::{Geometry, RawFrame};
 use edof_device::Design;
+use edof_device::board::Resources;
 use edof_device::design::memory::Set;
 use edof_device::design::{DesignError, FrameSize, StageSize};
 use edof_golden::cycle::explore::{cycles_per_patch, foldings};
 use edof_golden::cycle::{Cycle, Patch};
 use edof_golden::windows;
-use edof_hdl::resources::{self, Resources, XC7K325T};
+use edof_hdl::resources;
 use edof_network::FixedNetwork;
 use std::ops::ControlFlow;
 
@@ -31,14 +32,6 @@ pub struct Folding {
     pub frames: f64,
     /// Cells.
     pub used: Resources,
-}
-
-impl Folding {
-    /// Block RAM in units of 36 kbit.
-    #[must_use]
-    pub fn ramb36(&self) -> f64 {
-        self.used.ramb36e1 as f64 + self.used.ramb18e1 as f64 / 2.0
-    }
 }
 
 /// A design for a network, of any folding, with clock and picture of another.
@@ -104,7 +97,7 @@ pub fn found(
             break;
         }
         let used = resources::whole(&design);
-        if used.fullest(&XC7K325T).1 > 1.0 {
+        if !design.board.part.has(&used) {
             continue;
         }
         let each: Vec<f64> = pictures.iter().map(|patches| cycles_per_patch(&design, patches)).collect();

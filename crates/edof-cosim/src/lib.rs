@@ -37,6 +37,8 @@
 //! # Ok::<(), edof_cosim::Error>(())
 //! ```
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 pub mod bench;
 pub mod bitstream;
 mod cache;

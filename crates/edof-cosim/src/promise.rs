@@ -2,10 +2,9 @@
 
 use crate::estimate::Estimated;
 use edof_device::Design;
-use edof_device::board::{self, MEMORY_LATE, WORD_BITS};
+use edof_device::board::part::Cells;
 use edof_device::design::DesignError;
 use edof_device::video::VideoTiming;
-use edof_hdl::resources::{Resources, XC7K325T};
 use serde::Serialize;
 
 /// Figures of a design, at the clock that it states.
@@ -20,13 +19,13 @@ pub struct Promise {
     /// Frames per second on the screen, and its pixel clock in kilohertz; none for frames that only simulation takes.
     pub video: Option<(f64, usize)>,
     /// What the calculator takes.
-    pub resources: Resources,
-    /// What of it is scarcest on an XC7K325T, and its share there.
-    pub scarcest: (&'static str, f64),
-    /// Bytes per second that the memory must take and give.
-    pub memory: [f64; 2],
+    pub resources: Cells,
+    /// What of it is scarcest on the board's part, and its share there.
+    pub scarcest: (String, f64),
+    /// Bytes per second that the memory must take and give, where the board has video.
+    pub memory: Option<[f64; 2]>,
     /// Seconds from a pixel at the input to the same pixel at the output, least and most.
-    pub latency: [f64; 2],
+    pub latency: Option<[f64; 2]>,
 }
 
 impl Promise {
@@ -35,38 +34,47 @@ impl Promise {
     /// # Errors
     /// Frames or a clock that no board of ours has.
     pub fn of(design: &Design) -> Result<Self, DesignError> {
-        board::check(design)?;
+        design.check_board()?;
         let estimated = Estimated::new(design, None);
-        let Estimated { ahead, board, total: resources, .. } = &estimated;
-        let mode = VideoTiming::mode(design.frame);
-        let resources = *resources;
+        let Estimated { ahead, board, total, .. } = &estimated;
+        let mode = design.board.video_out.as_ref().and_then(|_| VideoTiming::mode(design.frame));
+        let part = estimated.part();
         Ok(Self {
             cycles_per_patch: ahead.cycles_per_patch,
             patches_per_frame: ahead.patches_per_frame as u64,
             frames_per_second: estimated.rate(ahead.cycles_per_patch),
             video: mode.map(|mode| (mode.frames_per_second(), mode.pixel_khz)),
-            resources,
-            scarcest: resources.fullest(&XC7K325T),
-            memory: [board.written, board.read],
-            latency: board.latency,
+            resources: part.named(total),
+            scarcest: part.fullest(total),
+            memory: board.as_ref().map(|board| [board.written, board.read]),
+            latency: board.as_ref().map(|board| board.latency),
         })
     }
 
     /// Lines for people: what, how much.
     #[must_use]
     pub fn rows(&self, design: &Design) -> Vec<(&'static str, String)> {
-        let Resources { dsp48e1, ramb36e1, ramb18e1, lut, ff } = self.resources;
-        let (scarcest, share) = self.scarcest;
+        let (scarcest, share) = &self.scarcest;
+        let (part, memory) = (design.board.part.name, &design.board.memory);
         let frame = design.frame;
         let video = match self.video {
             Some((rate, khz)) => {
                 format!("{rate:.0} frames per second at a pixel clock of {:.2} MHz", khz as f64 / 1e3)
             }
+            None if design.video().is_err() => format!("none on board {}", design.board.name),
             None => "no video mode: for simulation alone".to_owned(),
         };
-        let [written, read] = self.memory.map(|bytes| bytes / 1e6);
-        let [min, max] = self.latency.map(|seconds| 1e3 * seconds);
-        vec![
+        let traffic = self.memory.map(|bytes| bytes.map(|bytes| bytes / 1e6));
+        let traffic = traffic.map(|[written, read]| {
+            format!(
+                "{written:.0} MB/s written and {read:.0} MB/s read through a port of {} bits, a burst within {} cycles",
+                memory.word_bits, memory.max_burst_cycles
+            )
+        });
+        let latency = self.latency.map(|seconds| seconds.map(|seconds| 1e3 * seconds));
+        let latency = latency
+            .map(|[min, max]| format!("{min:.1} to {max:.1} ms from input to output, nothing skipped"));
+        let calculator = vec![
             (
                 "frame",
                 format!("{}x{}, a patch each {} pixels", frame.width, frame.height, frame.stride.pixels()),
@@ -82,19 +90,12 @@ impl Promise {
             ),
             (
                 "calculator's cells",
-                format!(
-                    "{dsp48e1} DSP48E1, {ramb36e1} RAMB36E1, {ramb18e1} RAMB18E1, about {lut} LUT and {ff} FF; {scarcest} is {:.0} % of an XC7K325T",
-                    100.0 * share
-                ),
+                format!("{}; {scarcest} is {:.0} % of an {part}", self.resources, 100.0 * share),
             ),
-            (
-                "memory",
-                format!(
-                    "{written:.0} MB/s written and {read:.0} MB/s read through a port of {WORD_BITS} bits, a burst within {MEMORY_LATE} cycles"
-                ),
-            ),
-            ("latency", format!("{min:.1} to {max:.1} ms from input to output, nothing skipped")),
-        ]
+        ];
+        let board = [("memory", traffic), ("latency", latency)];
+        let board = board.into_iter().filter_map(|(what, text)| Some((what, text?)));
+        calculator.into_iter().chain(board).collect()
     }
 }
 

@@ -139,7 +139,8 @@ fn difference() {
 
 #[test]
 fn shrink() {
-    for (shrinkage, bits) in [(Shrinkage::OneSided, 16), (Shrinkage::TwoSided, 16), (Shrinkage::OneSided, 9)]
+    for (shrinkage, bits) in
+        Shrinkage::ALL.into_iter().flat_map(|shrinkage| [(shrinkage, 16), (shrinkage, 9)])
     {
         agree(Shrink::new(shrinkage, bits), 5, &[], move |b, draw, _| {
             b.code.next = extreme(draw, bits);
@@ -327,21 +328,19 @@ fn base_ring() {
 #[test]
 fn drain() {
     for stage in committed("tiny").stages() {
-        let mut under_way = 0;
+        let (mut under_way, mut begun) = (0, 0);
         agree(Drain::new(&stage), 3 * RESET as usize, &[], move |b, draw, last| {
             b.reset.next = resets(last, draw);
             let outside =
                 last.count(|last| last.is("take")) - last.count_too(|last| last.is("credit_return"));
             // A pass begins when one may, and its last step is issued some cycles later.
-            b.begins.next = last.cycle > 2 * RESET && under_way == 0 && b.may_start.val() && bit(draw);
+            let released = last.count_of("released", |last| last.is("release"));
+            let begins = last.cycle > 2 * RESET && under_way == 0 && begun < released + 2 && bit(draw);
             b.pass_issued.next = under_way == 1;
-            under_way = match under_way {
-                0 if b.begins.next => draw.whole(1, 12),
-                0 => 0,
-                left => left - 1,
-            };
+            under_way = if begins { draw.whole(1, 12) } else { (under_way - 1).max(0) };
+            begun += u64::from(begins);
             if b.reset.next {
-                under_way = 0;
+                (under_way, begun) = (0, 0);
             }
             b.set.next = bit(draw);
             b.credit_return.next = outside > 0 && draw.whole(0, 3) > 0;
@@ -367,8 +366,10 @@ fn sequencer() {
             let set = draw.bits() & 1;
             b.descriptor.next =
                 (before_last << 4 | single << 3 | empty << 2 | (odd | empty) << 1 | set).into();
-            b.may_start.next = draw.whole(0, 3) > 0;
-            b.steal.next = draw.whole(0, 5) == 0;
+            let open = last.count_of("begun", |last| last.is("first"))
+                - last.count_of("released", |last| last.is("release"));
+            b.release.next = open > 0 && draw.whole(0, 3) > 0;
+            b.steal_next.next = draw.whole(0, 5) == 0;
         });
     }
 }

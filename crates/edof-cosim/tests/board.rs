@@ -6,7 +6,7 @@ use edof_cosim::system::{self, TableWords};
 use edof_golden::{Display, scalar};
 use edof_hdl::benches::Recorded;
 use edof_hdl::board::Identity;
-use edof_hdl::kc705::{self, Kc705};
+use edof_hdl::board_project::{self, BoardProject};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -26,7 +26,7 @@ impl Place {
 }
 
 /// The sources of a design with a random network.
-pub fn project(design: &str) -> Kc705 {
+pub fn project(design: &str) -> BoardProject {
     let design = committed(design);
     let network = edof_device::random::for_design(&design, 1);
     let display = Display::default();
@@ -42,17 +42,18 @@ pub fn project(design: &str) -> Kc705 {
     };
     let video = system::recorded(&design, &network, &display).unwrap();
     let recorded = Recorded { windows, patches, video };
-    kc705::project(&design, [&network, &network], &identity, &words.tables(), &recorded).unwrap()
+    let (sets, shell) = ([&network, &network], &design.board.shells[0]);
+    board_project::project(&design, shell, sets, &identity, &words.tables(), &recorded).unwrap()
 }
 
 /// The sources of `tiny` in the folder `out`.
 pub fn generated(place: &Place) -> PathBuf {
-    static PROJECT: LazyLock<Kc705> = LazyLock::new(|| project("tiny"));
+    static PROJECT: LazyLock<BoardProject> = LazyLock::new(|| project("tiny"));
     written(place, &PROJECT)
 }
 
 /// Sources in the folder `out`.
-pub fn written(place: &Place, project: &Kc705) -> PathBuf {
+pub fn written(place: &Place, project: &BoardProject) -> PathBuf {
     let folder = place.path("out");
     let verilog = project.core.verilog.iter().map(|(name, text)| (format!("rtl/{name}"), text));
     let others = project.core.memory.iter().chain(&project.files).map(|(path, text)| (path.clone(), text));
@@ -220,14 +221,21 @@ fn parts(folder: &Path, module: &str) -> Vec<(String, String)> {
 }
 
 #[test]
-fn every_stage_of_the_floorplan_is_in_the_design() {
+fn every_bank_is_in_one_block_of_the_floorplan() {
     let place = Place::new();
     let folder = generated(&place);
     let text = std::fs::read_to_string(folder.join("constraints/floorplan.xdc")).unwrap();
-    let cells: Vec<&str> =
-        text.lines().filter_map(|line| line.split_once("[get_cells {core/")?.1.strip_suffix("}]")).collect();
-    assert_eq!(cells.len(), committed("tiny").stages.len(), "{text}");
-    for path in cells {
+    let cells: Vec<&str> = text
+        .lines()
+        .filter_map(|line| line.split_once("[get_cells {")?.1.strip_suffix("}]"))
+        .flat_map(|cells| cells.split(' '))
+        .collect();
+    let banks: BTreeSet<&str> = cells.iter().copied().filter(|cell| cell.ends_with(".lanes")).collect();
+    assert_eq!(banks.len(), committed("tiny").stages().map(|stage| stage.banks()).sum::<usize>(), "{text}");
+    let multipliers: BTreeSet<&str> =
+        cells.iter().map(|cell| cell.strip_prefix("core/").unwrap().rsplit_once('/').unwrap().0).collect();
+    assert_eq!(multipliers.len(), committed("tiny").stages.len(), "{text}");
+    for path in multipliers {
         path.split('/').fold("kc705_core".to_string(), |module, name| {
             let found = parts(&folder, &module).into_iter().find(|(instance, _)| instance == name);
             found.unwrap_or_else(|| panic!("{path}: {module} has no part {name}")).1

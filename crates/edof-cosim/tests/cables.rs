@@ -16,9 +16,9 @@ use edof_core::{DisplayMode, RawFrame, Stride, cable};
 use edof_cosim::system::cables::{self, Cables, Compiled, PACE};
 use edof_cosim::system::{drawn, leisurely, picture};
 use edof_device::Design;
-use edof_device::board::I2C_IMAGES;
+use edof_device::board::KC705;
 use edof_device::design::FrameSize;
-use edof_device::i2c::{Action, depth, programs};
+use edof_device::i2c::{Action, depth};
 use edof_device::video::VideoTiming;
 use edof_golden::{Curve, Display, Golden};
 use edof_hdl::project::Project;
@@ -184,12 +184,11 @@ fn a_receiver_held_in_reset_is_named_and_the_picture_comes_when_it_is_let_go() {
 
 /// The image of a program that the core runs in place of its own on that bus.
 fn image(bus: usize, actions: impl IntoIterator<Item = Action>) -> (String, String) {
+    let setup = KC705.setups().nth(bus).unwrap();
     let words = actions.into_iter().chain([Action::Done]).map(Action::word).chain(std::iter::repeat(0));
-    let text = words
-        .take(depth(&programs(VideoTiming::P1080_60)[bus]))
-        .map(|word| format!("{word:08x}\n"))
-        .collect();
-    (I2C_IMAGES[bus].to_owned(), text)
+    let program = (setup.program)(VideoTiming::P1080_60);
+    let text = words.take(depth(&program)).map(|word| format!("{word:08x}\n")).collect();
+    (setup.image.to_owned(), text)
 }
 
 #[test]
@@ -203,7 +202,7 @@ fn the_first_tables_bring_no_picture() {
         std::iter::once(Action::Byte { device: 0x74, value: 1 << 5 }).chain(FIRST_KC705.iter().map(write));
     let images = [image(0, board), image(1, FIRST_IMAGEON.iter().map(write))];
     let mut project = SETUP.project.clone();
-    project.memory.retain(|(path, _)| !I2C_IMAGES.contains(&&**path));
+    project.memory.retain(|(path, _)| KC705.setups().all(|setup| setup.image != path));
     project.memory.extend(images);
     let setup = Setup {
         project,

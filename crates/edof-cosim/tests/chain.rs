@@ -11,7 +11,7 @@ use edof_golden::cycle::Stalls;
 use edof_golden::{Counts, scalar};
 use edof_network::network::Form;
 use edof_network::network::Recurrence::{self, Difference, Direct};
-use edof_network::network::Shrinkage::{self, OneSided, TwoSided};
+use edof_network::network::Shrinkage::{self, Firm, OneSided, TwoSided};
 use std::collections::BTreeSet;
 
 /// A design of 16 codes whose stages are 16, 8 or 4 lanes wide, and F 128, 64 or 32.
@@ -55,6 +55,7 @@ fn design(form: Form, code_bits: u32, stages: &[(usize, usize)]) -> Design {
         skip_zeros: true,
         stages: stages.iter().map(|(lanes, rows)| StageSize { lanes: *lanes, rows: *rows }).collect(),
         frame: FrameSize { width: 64, height: 48, stride: Stride::PATCH },
+        board: <_>::default(),
     }
 }
 
@@ -67,7 +68,7 @@ fn random_design(draw: &mut Draw, layers: usize) -> Design {
             window: Window::new(one_of(draw, &[8, 12, 16])).unwrap(),
             codes: one_of(draw, &[8, 12, 16, 20, 24, 32, 36, 48]),
             layers,
-            shrinkage: [OneSided, TwoSided][draw.whole(0, 1) as usize],
+            shrinkage: Shrinkage::ALL[draw.whole(0, 2) as usize],
             recurrence: [Direct, Difference][draw.whole(0, 1) as usize],
             linear_path: draw.whole(0, 1) == 1,
             tied: draw.whole(0, 3) == 0,
@@ -150,6 +151,7 @@ forms! {
     #[ignore = "four_layers_of_twelve_bits has these windows: scripts/soak.sh"]
     three_layers_of_large_windows: TwoSided Direct, R false, window 12, bits 16, tied false, [(8, 1), (16, 2), (128, 2)];
     four_layers_of_twelve_bits: OneSided Direct, R true, window 12, bits 12, tied false, [(16, 2), (16, 1), (8, 2), (64, 2)];
+    three_layers_of_firm_differences: Firm Difference, R true, window 8, bits 12, tied false, [(16, 1), (8, 2), (64, 1)];
     #[ignore = "three_layers_of_differences has them: scripts/soak.sh"]
     four_layers_of_differences: TwoSided Difference, R false, window 8, bits 16, tied false, [(16, 1), (8, 2), (16, 1), (128, 1)];
     five_layers_tied: TwoSided Difference, R true, window 8, bits 16, tied true, [(8, 1), (8, 1), (8, 2), (16, 2), (128, 2)];
@@ -178,10 +180,11 @@ fn the_forms_cover_every_choice() {
     assert_eq!(seen(|f| f.stages.len()), (2..=10).collect());
     assert_eq!(seen(|f| f.window), [8, 12].into());
     assert!(seen(|f| f.bits as usize).is_superset(&[8, 16].into()));
-    let choices =
-        |f: &Small| [f.shrinkage == OneSided, f.recurrence == Direct, f.linear_path].map(usize::from);
-    let pairs: BTreeSet<_> = forms.values().map(choices).collect();
-    assert_eq!(pairs.len(), 8, "each kind of shrinkage, recurrence and F");
+    assert_eq!(seen(|f| f.shrinkage as usize).len(), Shrinkage::ALL.len());
+    let soft = forms.values().filter(|f| f.shrinkage != Firm);
+    let pairs: BTreeSet<_> =
+        soft.map(|f| (f.shrinkage as usize, f.recurrence == Direct, f.linear_path)).collect();
+    assert_eq!(pairs.len(), 8, "each kind of soft threshold, recurrence and F");
     let shape = |f: &Small| {
         let last = f.stages.len() - 1;
         let fold = |i: usize| if i == last { 128 } else { 16 } / f.stages[i].0;

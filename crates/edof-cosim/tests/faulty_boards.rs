@@ -8,7 +8,7 @@ use edof_board::link::PATIENCE;
 use edof_board::self_test::SelfTest;
 use edof_cosim::bench::axi::WordFault;
 use edof_cosim::system::VerilogBoard;
-use edof_device::board::{BUFFER_BYTES, PICTURE_BUFFERS, WORD_BITS};
+use edof_device::board::KC705;
 use edof_device::pattern::Pattern;
 use edof_golden::Golden;
 use edof_golden::video::pattern;
@@ -51,16 +51,16 @@ fn failing(setup: &Setup, line: VerilogBoard) -> (Vec<&'static str>, String) {
 }
 
 /// Bytes of a word of the memory.
-const WORD: u64 = WORD_BITS as u64 / 8;
+const WORD: u64 = KC705.memory.word_bits as u64 / 8;
 
 const fn is_picture(word: u64) -> bool {
-    word * WORD >= PICTURE_BUFFERS[0] as u64
+    word * WORD >= KC705.memory.picture_buffers[0] as u64
 }
 
 /// A cell of one of the three buffers of raw frames: row 7, column 11 of frames of 32 columns, bit 9, always 1.
 fn stuck_cell(word: u64, parts: &mut [u32]) {
     let pixel = 7 * 32 + 11;
-    if word == u64::from(BUFFER_BYTES) / WORD + pixel / 32 {
+    if word == u64::from(KC705.memory.buffer_bytes) / WORD + pixel / 32 {
         parts[(pixel % 32 / 2) as usize] |= 0x0200 << (16 * (pixel % 2));
     }
 }

@@ -89,7 +89,8 @@ fn a_frame_of_1080p_passes_the_files_of_the_bitstream_bit_for_bit() {
     let options = Options { optimize: 2, ..crate::support::options() };
     let compiled = Compiled::new(&core(&design), &options).unwrap();
     let (timing, periods) = (VideoTiming::of_frame(design.frame), Periods::of_board(&design));
-    let begin = RigConfig { timing, periods, behaviour: Behaviour::hard(1), seed: 1 };
+    let begin =
+        RigConfig { timing, periods, behaviour: Behaviour::hard(1), ..RigConfig::leisurely(&design, 1) };
     let mut rig = Rig::start(&compiled, &begin, vec![sent(&frame)]).unwrap();
     rig.control(DisplayMode::Colour, 1).unwrap();
     let is_picture = |rig: &Rig| {

@@ -21,12 +21,21 @@ fn names(dir: &Path) -> BTreeSet<String> {
     entries.map(|name| name.into_string().unwrap()).collect()
 }
 
-/// The leaves are files of the project already. With `EDOF_BLESS=1` the snapshot becomes what is generated; its changes are then reviewed like any other.
+/// Text without the lines of the Rust sources that comments name.
+fn without_lines(text: &str) -> String {
+    let (first, rest) = text.split_once(".rs:").map_or((text, None), |(first, rest)| (first, Some(rest)));
+    let rest = rest
+        .map(|rest| format!(".rs{}", without_lines(rest.trim_start_matches(|c: char| c.is_ascii_digit()))));
+    first.to_owned() + &rest.unwrap_or_default()
+}
+
+/// Leaves are files of the project. With `EDOF_BLESS=1` the snapshot becomes what is generated; its changes are then reviewed like any other.
 #[test]
-fn tiny_is_the_snapshot_byte_for_byte() {
+fn tiny_is_the_snapshot_but_for_lines_of_sources() {
     let is_leaf =
         |file: &str| edof_hdl::leaves::LEAVES.iter().any(|(leaf, _)| file.strip_suffix(".v") == Some(leaf));
-    let verilog: Vec<_> = generated("tiny").verilog.into_iter().filter(|(file, _)| !is_leaf(file)).collect();
+    let verilog = generated("tiny").verilog.into_iter().filter(|(file, _)| !is_leaf(file));
+    let verilog: Vec<_> = verilog.map(|(file, text)| (file, without_lines(&text))).collect();
     if std::env::var_os("EDOF_BLESS").is_some_and(|bless| bless == "1") {
         let _ = std::fs::remove_dir_all(snapshot());
         std::fs::create_dir_all(snapshot()).unwrap();
@@ -39,31 +48,11 @@ fn tiny_is_the_snapshot_byte_for_byte() {
     }
 }
 
-/// Two thirds of the 3,203 lines and 111,905 bytes that it had before its style was set (docs/verilog-style.md).
-#[test]
-fn the_text_of_tiny_is_short_without_comments() {
-    let code = |text: &str| -> Vec<String> {
-        let lines = text.lines().map(|line| line.split("//").next().unwrap_or_default().trim_end());
-        lines.filter(|line| !line.is_empty()).map(|line| format!("{line}\n")).collect()
-    };
-    let files = names(&snapshot());
-    let texts = files.iter().map(|name| std::fs::read_to_string(snapshot().join(name)).unwrap());
-    let lines: Vec<String> = texts.flat_map(|text| code(&text)).collect();
-    let bytes: usize = lines.iter().map(String::len).sum();
-    assert!(lines.len() <= 2_135 && bytes <= 74_603, "{} lines, {bytes} bytes", lines.len());
-}
-
 #[test]
 fn a_design_is_generated_twice_alike() {
     for name in ["tiny", "paper", "kc705"] {
         assert!(generated(name) == generated(name), "{name}");
     }
-}
-
-#[test]
-fn paper_is_below_400_kilobytes() {
-    let bytes: usize = generated("paper").verilog.iter().map(|(_, text)| text.len()).sum();
-    assert!(bytes < 400_000, "{bytes} bytes");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use edof_cosim::system::cables::PACE;
 use edof_cosim::tool;
 use edof_golden::{Curve, Display};
 use edof_hdl::blocks::chain::Chain;
-use edof_hdl::board::{EdofCore, Identity, Kc705Core};
+use edof_hdl::board::{Identity, Kc705Core};
 use edof_hdl::leaves::LEAVES;
 use edof_hdl::project::spacious;
 use edof_hdl::verilog::{Emitted, Module, emit, emit_literally};
@@ -190,8 +190,7 @@ fn what_is_printed_of_the_board_equals_what_the_kernels_say() {
         let words = TableWords::of(&display);
         let tables = words.tables();
         let identity = Identity { design_hash: 1, weights_hash: 2, frame: (64, 48) };
-        let core = EdofCore::new(&design, [&network, &network], &identity, tables.luma, tables.colours);
-        let mut top = Kc705Core::new(core.unwrap(), design.frame, &PACE);
+        let mut top = Kc705Core::new(&design, [&network, &network], &identity, &tables, &PACE).unwrap();
         top.connect_all();
         (emit_literally(&top).unwrap(), emit(&top).unwrap())
     });

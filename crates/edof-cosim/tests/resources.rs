@@ -6,28 +6,27 @@ use edof_cosim::Source;
 use edof_cosim::system;
 use edof_cosim::yosys::{Cells, Options, synthesize};
 use edof_device::Design;
+use edof_device::board::{KC705, Resources};
 use edof_device::design::{FrameSize, StageSize};
 use edof_golden::Display;
 use edof_hdl::blocks::frame_check::FrameCheck;
 use edof_hdl::board::{BoardRegisters, CycleCount, Identity, PatternSource, PictureWindow};
-use edof_hdl::resources::{Resources, XC7K325T, stages};
+use edof_hdl::resources::stages;
 use edof_network::network::{Form, Recurrence};
 use edof_verilog::describe::Circuit;
 
 /// What of a stage is not as estimated: exactly, or within 15 %.
 fn differences(name: &str, estimated: &Resources, measured: &Cells) -> Vec<String> {
-    let exact = [
-        ("DSP48E1", estimated.dsp48e1, measured.dsp48e1()),
-        ("RAMB36E1", estimated.ramb36e1, measured.ramb36e1()),
-        ("RAMB18E1", estimated.ramb18e1, measured.ramb18e1()),
-    ];
-    let about = [("LUT", estimated.lut, measured.luts()), ("FF", estimated.ff, measured.flip_flops())];
+    let cells = KC705.part.named(estimated).0;
+    let exact = cells[..3].iter().map(|(name, count)| (*name, *count, measured.count(name)));
+    let about =
+        [("LUT", estimated.luts, measured.luts()), ("FF", estimated.registers, measured.flip_flops())];
     let differs = |percent: usize| {
         move |(_, estimated, measured): &(&str, usize, usize)| {
             estimated.abs_diff(*measured) * 100 > percent * measured
         }
     };
-    let wrong = exact.into_iter().filter(differs(0)).chain(about.into_iter().filter(differs(15)));
+    let wrong = exact.filter(differs(0)).chain(about.into_iter().filter(differs(15)));
     wrong
         .map(|(what, estimated, measured)| {
             format!("{what} of {name}: {estimated} estimated, {measured} measured\n")
@@ -114,9 +113,12 @@ fn the_whole_core_of_kc705_has_neither_latch_nor_loop_nor_two_drivers_and_fits_t
     let cells = serde_json::from_value(stat["design"]["num_cells_by_type"].clone()).unwrap();
     let cells = Cells(cells);
     println!("{cells:?}");
-    assert!((design.stages().map(|plan| plan.dsps()).sum::<usize>()..=840).contains(&cells.dsp48e1()));
-    assert!(2 * cells.ramb36e1() + cells.ramb18e1() <= 2 * 445);
-    assert!(cells.luts() * 100 <= XC7K325T.lut * 60);
+    assert!(
+        (design.stages().map(|plan| plan.dsps()).sum::<usize>()..=KC705.part.cells.multipliers)
+            .contains(&cells.count("DSP48E1"))
+    );
+    assert!(2 * cells.count("RAMB36E1") + cells.count("RAMB18E1") <= 2 * KC705.part.cells.memories);
+    assert!(cells.luts() * 100 <= KC705.part.cells.luts * 60);
 }
 
 /// 3 % of the 61,000 LUTs and of the 725 halves of block RAMs that `edof_core` of `kc705` takes (docs/hardware.md).
@@ -159,6 +161,6 @@ fn self_check(design: &Design) -> [usize; 2] {
     ];
     let sum =
         |count: fn(&Cells) -> usize| parts.iter().map(|(times, cells)| times * count(cells)).sum::<usize>();
-    let halves = |cells: &Cells| 2 * cells.ramb36e1() + cells.ramb18e1();
+    let halves = |cells: &Cells| 2 * cells.count("RAMB36E1") + cells.count("RAMB18E1");
     [sum(Cells::luts) - registers(&shown).luts(), sum(halves)]
 }

@@ -16,6 +16,7 @@ use edof_core::draw::Draw;
 use edof_core::{DisplayMode, RawFrame, Stride, Window};
 use edof_cosim::system::{self, Speed, VerilogBoard};
 use edof_device::Design;
+use edof_device::board::KC705;
 use edof_device::design::FrameSize;
 use edof_device::design::memory::Set;
 use edof_device::registers::map;
@@ -128,7 +129,7 @@ impl Setup {
     fn new(design: Design, sets: [FixedNetwork; 2], baud: u32) -> Self {
         let raw = system::drawn(design.frame, 1, 5).unwrap().remove(0);
         let display = Display::new(DisplayMode::Colour, Curve::Srgb);
-        Self { design, sets, display, raw, speed: Speed::of(baud).unwrap() }
+        Self { design, sets, display, raw, speed: Speed::of(&KC705, baud).unwrap() }
     }
 
     pub fn in_verilog(&self, seed: u64) -> VerilogBoard {
@@ -272,7 +273,7 @@ fn the_receiver_is_set_up_and_aligned<K: Kind>(mut board: K, seeds: std::ops::Ra
         let eye = Eye::drawn(seed);
         board.card().set_eye(eye.clone());
         let alignment = open(&mut board)
-            .align(Align { codes: 30, clocks: false }, &mut |_| ControlFlow::Continue(()))
+            .align(Align { codes: 30, clock_of: None }, &mut |_| ControlFlow::Continue(()))
             .unwrap();
         let chosen = (alignment.window.is_inverted, usize::from(alignment.window.middle()));
         assert!(eye.is_open(chosen.0, chosen.1), "{eye:?}: {chosen:?}");
@@ -341,7 +342,7 @@ fn what_goes_astray_does_no_harm_in_the_model() {
 #[test]
 #[ignore = "minutes: scripts/soak.sh"]
 fn a_load_at_the_boards_own_speed_takes_what_was_told() {
-    let setup = Setup::tiny(edof_device::board::BAUD);
+    let setup = Setup::tiny(KC705.baud);
     a_load_is_seen_whole(&setup, setup.in_verilog(3), &setup.other(9));
 }
 

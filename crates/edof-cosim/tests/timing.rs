@@ -5,6 +5,7 @@ use crate::common::committed;
 use edof_cosim::system;
 use edof_cosim::yosys::timing::{self, Kind, PartTiming};
 use edof_device::Design;
+use edof_device::board::{KC705, Resources};
 use edof_device::design::StagePlan;
 use edof_device::video::VideoTiming;
 use edof_golden::Display;
@@ -12,7 +13,7 @@ use edof_hdl::blocks::window_guard::WindowGuard;
 use edof_hdl::board::blocks::{self, Domain};
 use edof_hdl::board::{BoardRegisters, CalculatorPort, ChipSetup, EmbeddedSyncs, Identity, Pace};
 use edof_hdl::project;
-use edof_hdl::resources::{self, Resources};
+use edof_hdl::resources;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -75,9 +76,10 @@ fn what_makes_windows_whole_is_short_of_path_and_load_and_as_estimated() {
     assert!(found.delay_ps <= limit && found.control_loads <= CONTROL_LOADS, "{found:#?}");
     let of_stages: Resources = resources::stages(&design).into_iter().sum();
     let whole = resources::whole(&design);
-    for (estimated, measured) in
-        [(whole.lut - of_stages.lut, found.cells.luts()), (whole.ff - of_stages.ff, found.cells.flip_flops())]
-    {
+    for (estimated, measured) in [
+        (whole.luts - of_stages.luts, found.cells.luts()),
+        (whole.registers - of_stages.registers, found.cells.flip_flops()),
+    ] {
         assert!(
             estimated.abs_diff(measured) * 100 <= 15 * measured,
             "{estimated} estimated, {measured} measured"
@@ -89,7 +91,7 @@ fn what_makes_windows_whole_is_short_of_path_and_load_and_as_estimated() {
 #[test]
 fn what_speaks_to_the_video_chips_and_the_host_is_short_of_path() {
     let program = &edof_device::i2c::programs(VideoTiming::P1080_60)[1];
-    let mut setup = ChipSetup::new(&Pace::BOARD, program, "mem/i2c_imageon.mem", true);
+    let mut setup = ChipSetup::new(&Pace::of(&KC705), program, "mem/i2c_imageon.mem", true);
     let image = edof_device::i2c::image(program);
     let setup = project::of_circuit(&mut setup, vec![("mem/i2c_imageon.mem".into(), image)]).unwrap();
     let syncs = project::of_circuit(&mut EmbeddedSyncs::default(), vec![]).unwrap();

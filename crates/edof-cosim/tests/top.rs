@@ -3,18 +3,18 @@
 
 use crate::board::{Place, generated, run, said};
 use crate::common::{committed, root};
-use edof_device::board::{BAUD, CORE_KILOHERTZ, clocks};
+use edof_device::board::KC705;
 use std::path::Path;
 
 /// The top of a generated directory in Icarus, which the bench is for; what it says.
 fn tried(folder: &Path) -> String {
-    let clocks = clocks(&committed("tiny")).unwrap();
+    let clocks = committed("tiny").clocks().unwrap();
     let picoseconds = |khz: u64| format!("{:.3}", 1e9 / khz as f64);
     let bench = include_str!("../../../sim/board/kc705_top_bench.sv")
-        .replace("@core_ps@", &picoseconds(CORE_KILOHERTZ.into()))
+        .replace("@core_ps@", &picoseconds(KC705.core_khz.into()))
         .replace("@calculator_ps@", &picoseconds(clocks.calculator.khz))
-        .replace("@screen_ps@", &picoseconds(clocks.screen.khz))
-        .replace("@baud@", &BAUD.to_string());
+        .replace("@screen_ps@", &picoseconds(clocks.screen.unwrap().khz))
+        .replace("@baud@", &KC705.baud.to_string());
     std::fs::write(folder.join("top_bench.sv"), bench).unwrap();
     let primitives = root().join("sim/board/primitives.v").canonicalize().unwrap();
     let rtl = std::fs::read_dir(folder.join("rtl")).unwrap().map(|file| file.unwrap().path());

@@ -1,4 +1,4 @@
-//! How full the board's FIFOs get, ahead of any run; their depths follow from it (`board`).
+//! How full the board's FIFOs get, ahead of any run; their depths follow from it.
 //!
 //! Two things fill a FIFO: a word is seen on the other side of a clock domain some cycles later, and a memory is late. The words of a
 //! pipeline that ends in a queue are counted where it is made (`edof_hdl::video::queue`).
@@ -18,6 +18,9 @@ pub const fn crossing_words(writer_ps: u64, reader_ps: u64) -> usize {
     let slower = if writer_ps > reader_ps { writer_ps } else { reader_ps };
     ((ARRIVES * reader_ps + RETURNS * writer_ps).div_ceil(slower) + 1) as usize
 }
+
+/// Pixels between clock domains, in LUT RAM: for pixel clocks up to the memory's.
+pub const CROSSING_PIXELS: usize = crossing_words(1, 1).next_power_of_two();
 
 /// Words that an agent holds: a burst, and what comes meanwhile (a writer) or is taken meanwhile (a reader), a word in N cycles,
 /// while the memory takes so long for a burst, from the offer of its address to its last word, and the other agent's burst is before it.

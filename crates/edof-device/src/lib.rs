@@ -4,14 +4,15 @@
 //! |---|---|
 //! | stages, memories, addresses and cycles of the calculator for one network architecture | [`design`] |
 //! | registers that the host sees | [`registers`] |
-//! | memory map, clocks, line to the host | [`board`] |
+//! | boards: FPGA, clocks, memory, host, video | [`board`] |
 //! | video timing | [`video`] |
 //! | set-up of the video chips | [`i2c`] |
 //! | depths of FIFOs | [`fifos`] |
-//! | clocks that an MMCM makes | [`mmcm`] |
 //! | raw frames that the board makes itself | [`pattern`] |
 //! | CRC of frames | [`crc`] |
 //! | random networks and windows (feature `random`) | `random` |
+
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
 
 pub mod board;
 pub mod crc;
@@ -19,7 +20,6 @@ pub mod design;
 pub mod fifos;
 pub mod i2c;
 pub mod input_timing;
-pub mod mmcm;
 pub mod pattern;
 #[cfg(feature = "random")]
 pub mod random;

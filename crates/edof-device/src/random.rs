@@ -57,12 +57,7 @@ pub fn extreme(form: Form, code_bits: u32, stride: Stride, tight: bool, seed: u6
     let dictionary = matrix(OUTPUTS_422, form.codes, dictionary);
     let linear_path = form.linear_path.then(|| matrix(OUTPUTS_422, pixels, linear));
     let thresholds = (0..form.shrinkages())
-        .map(|_| {
-            Array1::from_shape_fn(form.codes, |_| match form.shrinkage {
-                Shrinkage::OneSided => draw.extreme(code_bits),
-                Shrinkage::TwoSided => draw.extreme(code_bits).max(0),
-            })
-        })
+        .map(|_| Array1::from_shape_fn(form.codes, |_| form.shrinkage.legal(draw.extreme(code_bits))))
         .collect();
     FixedNetwork {
         form,
@@ -185,10 +180,8 @@ fn origin(name: &str) -> Origin {
         focus_psi: 0.0,
         nominal_m: None,
         psi_range: [0.0, 8.0],
-        rings: vec![],
-        profile: None,
-        height_map: None,
-        aberrations: vec![],
+        mask: Default::default(),
+        aberrations: Default::default(),
         psf_bank: None,
         source: "drawn".into(),
     };

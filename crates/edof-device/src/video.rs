@@ -3,7 +3,7 @@
 //! The picture comes first, so that a frame begins with its first pixel: picture, front porch, sync, back porch, along a line and along
 //! the lines of a frame.
 
-use crate::design::FrameSize;
+use crate::design::frame::FrameSize;
 
 /// A length along one axis: pixels of a line, or lines of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -105,6 +105,13 @@ impl VideoTiming {
     #[must_use]
     pub fn name(self) -> String {
         format!("{} at {:.0} Hz", self.size(), self.frames_per_second())
+    }
+
+    /// Returns the pixel cycles without an edge of the vertical sync after which there is no signal: four frames, as far as 24 bits go.
+    #[must_use]
+    pub fn signal_time_out(self) -> u32 {
+        let frames = 4 * self.line.total() * self.frame.total();
+        u32::try_from(frames).unwrap_or(u32::MAX).min((1 << 24) - 1)
     }
 
     /// Frames per second.

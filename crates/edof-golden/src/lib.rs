@@ -37,6 +37,8 @@
 //! Stable: every word and code (docs/contract.md) and the names of boundaries. Signatures may change between minor versions until 1.0; [`Golden`], [`Display`] and
 //! `examples/raw_to_codes.rs` last, modules of the fast kernels do not.
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 pub mod checks;
 pub mod cycle;
 pub mod display;

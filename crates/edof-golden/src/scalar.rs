@@ -5,7 +5,7 @@ use crate::trace::{LayerWords, StageCounts, Trace};
 use edof_core::number::{requantize, saturate};
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::FixedMatrix;
-use edof_network::network::{Recurrence, Shrinkage};
+use edof_network::network::Recurrence;
 
 /// Bits of an output word.
 const OUTPUT_BITS: u32 = 16;
@@ -41,7 +41,7 @@ pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
             .iter()
             .zip(&network.thresholds[t])
             .map(|(&b, &theta)| {
-                let (word, saturated) = shrink(network.form.shrinkage, b, theta, bits);
+                let (word, saturated) = network.form.shrinkage.word(b, theta, bits);
                 counts.saturated_codes += u64::from(saturated);
                 word
             })
@@ -83,41 +83,7 @@ pub fn sends_difference(network: &FixedNetwork, t: usize) -> bool {
     network.form.recurrence == Recurrence::Difference && t + 1 < network.form.shrinkages()
 }
 
-/// The soft threshold on a pre-activation of `bits` bits. The second value is whether it saturated.
-#[must_use]
-pub fn shrink(shrinkage: Shrinkage, b: i16, theta: i16, bits: u32) -> (i16, bool) {
-    let (b, theta) = (i64::from(b), i64::from(theta));
-    match shrinkage {
-        Shrinkage::TwoSided => saturate(b.signum() * (b.abs() - theta).max(0), bits),
-        Shrinkage::OneSided => saturate((b - theta).max(0), bits),
-    }
-}
-
 /// Σ w·v over one row.
 fn product(matrix: &FixedMatrix, row: usize, v: &[i16]) -> i64 {
     matrix.weights.row(row).iter().zip(v).map(|(w, v)| i64::from(i32::from(*w) * i32::from(*v))).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use Shrinkage::{OneSided, TwoSided};
-
-    #[test]
-    fn two_sided_shrinkage_pulls_both_signs_to_zero() {
-        assert_eq!([5, 3, 0, -3, -5].map(|b| shrink(TwoSided, b, 3, 16).0), [2, 0, 0, 0, -2]);
-        assert_eq!(shrink(TwoSided, i16::MIN, 0, 16), (i16::MIN, false));
-    }
-
-    #[test]
-    fn one_sided_shrinkage_passes_what_exceeds_a_threshold_of_any_sign() {
-        assert_eq!([5, 3, -5].map(|b| shrink(OneSided, b, 3, 16).0), [2, 0, 0]);
-        assert_eq!([5, -3, -5].map(|b| shrink(OneSided, b, -4, 16).0), [9, 1, 0]);
-    }
-
-    #[test]
-    fn one_sided_shrinkage_saturates_at_the_code_width() {
-        assert_eq!(shrink(OneSided, 120, -20, 8), (127, true));
-        assert_eq!(shrink(OneSided, i16::MAX, i16::MIN, 16), (i16::MAX, true));
-    }
 }

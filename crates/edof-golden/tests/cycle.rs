@@ -33,10 +33,10 @@ fn lanes(outputs: usize) -> Vec<usize> {
 fn designs() -> impl Strategy<Value = Design> {
     let codes = prop::sample::select(vec![4usize, 8, 12, 16, 24, 32]);
     let window = prop::sample::select(vec![8usize, 8, 8, 12]);
-    let flags = (any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>());
+    let flags = (prop::sample::select(&Shrinkage::ALL[..]), any::<bool>(), any::<bool>(), any::<bool>());
     (codes, window, 2usize..=10, flags, 8u32..=16, any::<u64>()).prop_map(
         |(codes, window, layers, flags, bits, seed)| {
-            let (one_sided, difference, linear_path, skip_zeros) = flags;
+            let (shrinkage, difference, linear_path, skip_zeros) = flags;
             let draw = &mut Draw::new(seed);
             let stages = (0..layers).map(|stage| {
                 let choices = if stage + 1 == layers { vec![128, 64, 64, 32] } else { lanes(codes) };
@@ -57,7 +57,7 @@ fn designs() -> impl Strategy<Value = Design> {
                     window: Window::new(window).unwrap(),
                     codes,
                     layers,
-                    shrinkage: if one_sided { Shrinkage::OneSided } else { Shrinkage::TwoSided },
+                    shrinkage,
                     recurrence: if difference { Recurrence::Difference } else { Recurrence::Direct },
                     linear_path,
                     tied: seed.is_multiple_of(3),
@@ -66,6 +66,7 @@ fn designs() -> impl Strategy<Value = Design> {
                 accumulator_bits: 48,
                 skip_zeros,
                 frame: FrameSize { width: 64, height: 48, stride: Stride::PATCH },
+                board: <_>::default(),
             };
             design.check().unwrap();
             design

@@ -10,16 +10,16 @@ use edof_network::network::{Form, Recurrence, Shrinkage};
 use ndarray::Array2;
 use proptest::prelude::*;
 
-/// Any form: two- and one-sided, direct and difference, T = 2…10, with and without R, tied or not, every window.
+/// Any form: every shrinkage, direct and difference, T = 2…10, with and without R, tied or not, every window.
 fn forms() -> impl Strategy<Value = Form> {
     let codes = prop_oneof![6 => 1usize..70, 2 => 120usize..200, 1 => Just(192), 1 => 250usize..330];
-    let flags = (any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>());
+    let flags = (prop::sample::select(&Shrinkage::ALL[..]), any::<bool>(), any::<bool>(), any::<bool>());
     (prop::sample::select(vec![8, 12, 16]), codes, 2usize..=10, flags).prop_map(
-        |(window, codes, layers, (one_sided, difference, linear_path, tied))| Form {
+        |(window, codes, layers, (shrinkage, difference, linear_path, tied))| Form {
             window: Window::new(window).unwrap(),
             codes,
             layers,
-            shrinkage: if one_sided { Shrinkage::OneSided } else { Shrinkage::TwoSided },
+            shrinkage,
             recurrence: if difference { Recurrence::Difference } else { Recurrence::Direct },
             linear_path,
             tied,

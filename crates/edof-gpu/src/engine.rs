@@ -158,6 +158,19 @@ pub(crate) struct Words<T> {
     pub(crate) sent: Buffer<T>,
 }
 
+/// Code of the device.
+const SOURCE: &str = include_str!("network.cl");
+
+/// Returns the options of the compiler for a network of a shrinkage.
+fn options<T: Word>(shrinkage: Shrinkage) -> String {
+    format!("{} -D EACH={} -D SHRUNK={}", T::OPTIONS, T::EACH, function(shrinkage))
+}
+
+/// Returns the name of the function in [`SOURCE`].
+fn function(shrinkage: Shrinkage) -> String {
+    shrinkage.name().replace('-', "_")
+}
+
 /// Counters of a patch and stage, in the order of `network.cl`.
 pub(crate) const COUNTERS: usize = 4;
 
@@ -178,8 +191,7 @@ impl<T: Word> Engine<T> {
             device.upload(&theta)
         };
         Ok(Self {
-            program: device
-                .compile(include_str!("network.cl"), &format!("{} -D EACH={}", T::OPTIONS, T::EACH))?,
+            program: device.compile(SOURCE, &options::<T>(matrices.form.shrinkage))?,
             form: matrices.form,
             code_bits: matrices.code_bits,
             geometry,
@@ -253,7 +265,6 @@ impl<T: Word> Engine<T> {
                 (&base.b).into(),
                 self.stages[t].result.into(),
                 self.code_bits.into(),
-                (self.form.shrinkage == Shrinkage::OneSided).into(),
                 sends_difference.into(),
                 before.is_some().into(),
                 (&before.unwrap_or(here).z).into(),
@@ -429,3 +440,17 @@ fn packed<T: Element>(matrix: &Array2<T>) -> Vec<T> {
 
 /// A patch's pixels have equal weight if F's weights contain the averaging window.
 pub(crate) const EVEN: [f32; PATCH_PIXELS] = [1.0; PATCH_PIXELS];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shrinkage_has_a_function_of_words_and_one_of_floats() {
+        for shrinkage in Shrinkage::ALL {
+            let head =
+                format!("\nword {}(word b, word theta, int bits, uint *clipped) {{", function(shrinkage));
+            assert_eq!(SOURCE.matches(&head).count(), 2, "{head}");
+        }
+    }
+}

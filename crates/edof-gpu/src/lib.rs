@@ -8,6 +8,8 @@
 //! | the fixed-point network, bit for bit that of [`edof_golden`] | [`fixed`] |
 //! | the float network | [`float`] |
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 pub mod device;
 mod engine;
 pub mod fixed;

@@ -47,15 +47,28 @@ word rounded(long value, int shift, int bits, uint *clipped) {
 }
 #endif
 
-word shrunk(word b, word theta, int one_sided, int bits, uint *clipped) {
+// z of a pre-activation, a function for each shrinkage; the host defines SHRUNK as the name of one.
 #ifdef FIXED
+word two_sided(word b, word theta, int bits, uint *clipped) {
     int over = b, level = theta;
-    int left = one_sided || over > 0 ? max(over - level, 0) : -max(-over - level, 0);
-    return saturated(left, bits, clipped);
-#else
-    return one_sided ? fmax(b - theta, 0.0f) : copysign(fmax(fabs(b) - theta, 0.0f), b);
-#endif
+    return saturated(over > 0 ? max(over - level, 0) : -max(-over - level, 0), bits, clipped);
 }
+
+word one_sided(word b, word theta, int bits, uint *clipped) { return saturated(max((int)b - theta, 0), bits, clipped); }
+
+word firm(word b, word theta, int bits, uint *clipped) {
+    int size = abs((int)b), left = min(2 * max(size - theta, 0), size);
+    return saturated(b > 0 ? left : -left, bits, clipped);
+}
+#else
+word two_sided(word b, word theta, int bits, uint *clipped) { return copysign(fmax(fabs(b) - theta, 0.0f), b); }
+
+word one_sided(word b, word theta, int bits, uint *clipped) { return fmax(b - theta, 0.0f); }
+
+word firm(word b, word theta, int bits, uint *clipped) {
+    return copysign(fmin(2.0f * fmax(fabs(b) - theta, 0.0f), fabs(b)), b);
+}
+#endif
 
 // Input words of the windows of some patches of a red-first frame, mirrored at its borders. One work-item a patch and pixel.
 kernel void windows(
@@ -92,7 +105,7 @@ void add_products(global const word *weights, int padded, global const word *vec
 // `sends_difference` say so.
 kernel void stage(
     int inputs, int rows, int padded, int patches, int pitch, global const word *weights, global const word *theta,
-    global const word *vectors, int has_base, int base_shift, global const word *base, int shift, int bits, int one_sided,
+    global const word *vectors, int has_base, int base_shift, global const word *base, int shift, int bits,
     int sends_difference, int has_before, global const word *before, global word *b, global word *z, global word *sent,
     int slots, volatile global uint *counts
 ) {
@@ -112,7 +125,7 @@ kernel void stage(
 #else
             word here = sums[i] + (has_base ? base[at] : 0);
 #endif
-            word code = shrunk(here, theta[first + i], one_sided, bits, &codes);
+            word code = SHRUNK(here, theta[first + i], bits, &codes);
             word out = code;
             if (sends_difference && has_before) {
 #ifdef FIXED

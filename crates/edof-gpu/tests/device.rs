@@ -16,13 +16,13 @@ fn device() -> Device {
     Device::open(None).unwrap_or_else(|error| panic!("nothing to compare with: {error}"))
 }
 
-/// Eight forms that between them have every flag, window and kind of length.
+/// Eight forms that between them have every flag, shrinkage, window and kind of length.
 fn forms() -> impl Iterator<Item = Form> {
     (0..8).map(|i| Form {
         window: Window::new([8, 12, 16][i % 3]).unwrap(),
         codes: [192, 33, 8, 61, 128, 1, 250, 100][i],
         layers: [4, 2, 10, 3, 5, 6, 4, 7][i],
-        shrinkage: if i % 2 == 0 { Shrinkage::OneSided } else { Shrinkage::TwoSided },
+        shrinkage: Shrinkage::ALL[i % Shrinkage::ALL.len()],
         recurrence: if i / 2 % 2 == 0 { Recurrence::Direct } else { Recurrence::Difference },
         linear_path: i % 3 != 1,
         tied: i / 4 == 1,

@@ -5,7 +5,6 @@ use crate::verilog::{Direction, Port};
 use edof_core::DisplayMode;
 use edof_core::cable;
 use edof_core::display::{BLACK, CHROMA_ZERO};
-use edof_device::board::CORE_KILOHERTZ;
 use edof_device::design::FrameSize;
 use edof_device::registers::map;
 use edof_device::video::VideoTiming;
@@ -48,6 +47,8 @@ pub struct RecordedVideo {
     pub mode: DisplayMode,
     /// Cycles of the slower of memory and calculator in which the core has done with one.
     pub cycles: usize,
+    /// The memory's clock in kilohertz.
+    pub core_khz: u64,
     /// The calculator's clock in kilohertz.
     pub calculator_khz: u64,
 }
@@ -194,7 +195,7 @@ pub(crate) fn with_numbers(text: &str, recorded: &RecordedVideo) -> String {
         ("@frame_back@", timing.frame.back),
         ("@cycles@", recorded.cycles),
         ("@core_units@", CORE_UNITS as usize),
-        ("@calculator_units@", (CORE_UNITS * u64::from(CORE_KILOHERTZ) / recorded.calculator_khz) as usize),
+        ("@calculator_units@", (CORE_UNITS * recorded.core_khz / recorded.calculator_khz) as usize),
     ];
     let hexadecimal = |word: u32| format!("{word:08x}");
     let whole = PARTS.iter().fold(text.to_owned(), |text, (name, part)| text.replace(name, part));

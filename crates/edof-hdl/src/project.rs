@@ -3,7 +3,7 @@
 use crate::blocks::chain::Chain;
 use crate::describe::Circuit;
 use crate::leaves;
-use crate::verilog::{EmitError, Port, SourceMap, emit};
+use crate::verilog::{Crossing, EmitError, Port, SourceMap, emit};
 use edof_device::design::memory::{self, Shifts};
 use edof_device::design::{Design, DesignError};
 use edof_network::{FixedNetwork, fixed_network::FixedNetworkError};
@@ -23,6 +23,8 @@ pub struct Project {
     pub sources: BTreeMap<String, SourceMap>,
     /// Path, relative to the design, and text of each memory image.
     pub memory: Vec<(String, String)>,
+    /// Leaves between clock domains.
+    pub crossings: Vec<Crossing>,
 }
 
 /// Why a design was not generated.
@@ -89,7 +91,8 @@ pub fn of_circuit(circuit: &mut dyn Circuit, memory: Vec<(String, String)>) -> R
     let sources = emitted.modules.iter().map(|module| (file(&module.name), module.source.clone())).collect();
     let modules = emitted.modules.into_iter().map(|module| (file(&module.name), module.text));
     let verilog = leaves.chain(modules).collect();
-    Ok(Project { top: emitted.top, ports: emitted.ports, verilog, sources, memory })
+    let (top, ports, crossings) = (emitted.top, emitted.ports, emitted.crossings);
+    Ok(Project { top, ports, verilog, sources, memory, crossings })
 }
 
 /// The memory images of all stages: set 0, then set 1.

@@ -1,113 +1,62 @@
-//! What a design takes of an FPGA, before any tool runs.
+//! What a design takes of its board's FPGA, before any tool runs.
 //!
 //! Counts follow from the stages' sizes and from what Yosys 0.23 makes of each block for 7-series (`synth_xilinx -family xc7`).
 //! Multipliers and block RAM are exact; LUTs and flip-flops lie within 15 % (a test holds all committed designs to that).
 
 use crate::blocks::SLOT_ROWS;
+use crate::blocks::shrink::extra_logic;
 use edof_device::Design;
+use edof_device::board::{Part, Resources};
 use edof_device::design::{BANK_LANES, BEAT, Kind, StagePlan, timing};
-use serde::Serialize;
-use std::iter::Sum;
-use std::ops::{Add, Mul};
 
-/// Cells of a 7-series FPGA.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-pub struct Resources {
-    /// Multipliers with their accumulators.
-    pub dsp48e1: usize,
-    /// Block RAMs of 36 kbit.
-    pub ramb36e1: usize,
-    /// Block RAMs of 18 kbit.
-    pub ramb18e1: usize,
-    /// LUTs, as logic, memory or shift registers.
-    pub lut: usize,
-    /// Flip-flops.
-    pub ff: usize,
-}
-
-/// What an XC7K325T has.
-pub const XC7K325T: Resources =
-    Resources { dsp48e1: 840, ramb36e1: 445, ramb18e1: 890, lut: 203_800, ff: 407_600 };
-
-impl Resources {
-    const fn logic(lut: usize, ff: usize) -> Self {
-        Self { dsp48e1: 0, ramb36e1: 0, ramb18e1: 0, lut, ff }
-    }
-
-    /// Share of a device that the scarcest kind takes, and which kind that is.
-    #[must_use]
-    pub fn fullest(&self, device: &Self) -> (&'static str, f64) {
-        let share = |used: usize, there: usize| used as f64 / there as f64;
-        let blocks = 2 * self.ramb36e1 + self.ramb18e1;
-        let kinds = [
-            ("dsp48e1", share(self.dsp48e1, device.dsp48e1)),
-            ("ramb36e1", share(blocks, 2 * device.ramb36e1)),
-            ("lut", share(self.lut, device.lut)),
-            ("ff", share(self.ff, device.ff)),
-        ];
-        kinds.into_iter().fold(kinds[0], |max, kind| if kind.1 > max.1 { kind } else { max })
-    }
-}
-
-impl Add for Resources {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self {
-            dsp48e1: self.dsp48e1 + other.dsp48e1,
-            ramb36e1: self.ramb36e1 + other.ramb36e1,
-            ramb18e1: self.ramb18e1 + other.ramb18e1,
-            lut: self.lut + other.lut,
-            ff: self.ff + other.ff,
-        }
-    }
-}
-
-impl Mul<usize> for Resources {
-    type Output = Self;
-
-    fn mul(self, times: usize) -> Self {
-        Self {
-            dsp48e1: self.dsp48e1 * times,
-            ramb36e1: self.ramb36e1 * times,
-            ramb18e1: self.ramb18e1 * times,
-            lut: self.lut * times,
-            ff: self.ff * times,
-        }
-    }
-}
-
-impl Sum for Resources {
-    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
-        all.fold(Self::default(), Add::add)
-    }
-}
-
-/// What each stage of a design takes.
+/// Returns what each stage of a design takes of its board's part.
 ///
 /// ```
-/// use edof_hdl::resources::{XC7K325T, stages, whole};
+/// use edof_hdl::resources::{stages, whole};
 /// let design = edof_device::Design::from_json(include_str!("../../../designs/kc705.json"))?;
-/// assert_eq!(stages(&design).iter().map(|stage| stage.dsp48e1).sum::<usize>(), 800);
-/// assert_eq!(whole(&design).fullest(&XC7K325T).0, "dsp48e1");
+/// assert_eq!(stages(&design).iter().map(|stage| stage.multipliers).sum::<usize>(), 800);
+/// assert_eq!(design.board.part.fullest(&whole(&design)).0, "dsp48e1");
 /// # Ok::<(), edof_device::design::DesignError>(())
 /// ```
 #[must_use]
 pub fn stages(design: &Design) -> Vec<Resources> {
-    design.stages().map(|plan| stage(&plan, design.accumulator_bits as usize)).collect()
+    let part = &design.board.part;
+    let (luts, registers) = extra_logic(design.form.shrinkage);
+    // Two elements a cycle, and the two before them where a stage sends differences.
+    let blocks = |plan: &StagePlan| 2 * (usize::from(plan.shrinks()) + usize::from(plan.sends_difference));
+    let extra =
+        |plan: &StagePlan| scaled(part, Resources::logic(blocks(plan) * luts, blocks(plan) * registers));
+    design.stages().map(|plan| stage(part, &plan, design.accumulator_bits as usize) + extra(&plan)).collect()
 }
 
-/// What the whole calculator takes: its stages, and what makes windows whole before them.
+/// Returns what the whole calculator takes: its stages, and what makes windows whole before them.
 #[must_use]
 pub fn whole(design: &Design) -> Resources {
-    stages(design).into_iter().sum::<Resources>() + Resources::logic(115, 152)
+    stages(design).into_iter().sum::<Resources>() + scaled(&design.board.part, Resources::logic(115, 152))
+}
+
+/// Returns the block memories of one bank of weights.
+pub(crate) fn bank_memories(part: &Part, plan: &StagePlan) -> Resources {
+    let (bits, depth) = (BANK_LANES * 16, plan.weight_depth());
+    if plan.reads_both_ports() {
+        part.memory.blocks_read_twice(bits, depth)
+    } else {
+        part.memory.blocks(bits, depth) * plan.row_words()
+    }
+}
+
+/// Cells of a part, of those of a 7-series part.
+fn scaled(part: &Part, used: Resources) -> Resources {
+    let [luts, registers] = part.logic_percent;
+    Resources { luts: used.luts * luts / 100, registers: used.registers * registers / 100, ..used }
 }
 
 /// One stage, its sums `sum_bits` wide.
-fn stage(plan: &StagePlan, sum_bits: usize) -> Resources {
-    let blocks = blocks(plan, sum_bits);
+fn stage(part: &Part, plan: &StagePlan, sum_bits: usize) -> Resources {
+    let blocks = blocks(part, plan, sum_bits);
     let merged = merged(plan.rows);
-    Resources { lut: blocks.lut - merged.lut, ff: blocks.ff - merged.ff, ..blocks }
+    let (luts, registers) = (blocks.luts - merged.luts, blocks.registers - merged.registers);
+    scaled(part, Resources { luts, registers, ..blocks })
 }
 
 /// What the blocks of a stage have by themselves and the stage has not: mapped flat, constants and bits that nobody reads pass their
@@ -117,16 +66,16 @@ const fn merged(rows: usize) -> Resources {
 }
 
 /// The blocks of a stage, each by itself.
-fn blocks(plan: &StagePlan, sum_bits: usize) -> Resources {
+fn blocks(part: &Part, plan: &StagePlan, sum_bits: usize) -> Resources {
     let mut parts = vec![
         // The host's words and the reset on their way.
         Resources::logic(10 + 52, 152 + 52),
-        multipliers(plan, sum_bits),
-        store(plan),
+        multipliers(part, plan, sum_bits),
+        store(part, plan),
         operands(plan),
         // Sequencer, drain.
         Resources::logic(75 + 41, 130 + 48),
-        results(plan),
+        results(part, plan),
         // The FIFO.
         Resources::logic(140, 51),
         registers_and_counters(),
@@ -140,28 +89,26 @@ fn blocks(plan: &StagePlan, sum_bits: usize) -> Resources {
     }
     if plan.linear > 0 {
         let rows = (plan.linear / BEAT).next_power_of_two() * plan.kept_windows;
-        parts.push(Resources::logic(26, 90) + block_ram(rows));
+        parts.push(Resources::logic(26, 90) + part.memory.blocks(32, rows));
     }
     parts.into_iter().sum()
 }
 
 /// All banks, what their values come through, and the adders of their rows.
-fn multipliers(plan: &StagePlan, sum_bits: usize) -> Resources {
+fn multipliers(part: &Part, plan: &StagePlan, sum_bits: usize) -> Resources {
     let (rows, depth) = (plan.rows, plan.weight_depth());
     let address_bits = depth.next_power_of_two().trailing_zeros() as usize;
     // Each multiplier's holding register takes its sum, or the one from the next bank, at one LUT a bit.
     let hold = BANK_LANES * rows * sum_bits;
     // A row, values, and two registers of control for each multiplier.
     let kept = rows * (64 + 25 + 2 * BANK_LANES) + 3 + 2 * address_bits;
-    let bank = if plan.reads_both_ports() {
-        // 32 bits a block.
-        let ramb36e1 = 2 * depth.div_ceil(1024);
-        Resources { dsp48e1: 0, ramb36e1, ramb18e1: 0, lut: hold + 4 + address_bits, ff: hold + kept + 2 }
+    let logic = if plan.reads_both_ports() {
+        Resources::logic(hold + 4 + address_bits, hold + kept + 2)
     } else {
         let words = plan.row_words();
-        let ramb36e1 = words * depth.div_ceil(512);
-        Resources { dsp48e1: 0, ramb36e1, ramb18e1: 0, lut: hold + 3 * words, ff: hold + kept + 2 * words }
+        Resources::logic(hold + 3 * words, hold + kept + 2 * words)
     };
+    let bank = bank_memories(part, plan) + logic;
     let shared = Resources::logic(289, 727 + rows * (2 * 25 + 2 * sum_bits));
     // The host's writes come to every eight banks in registers of their own, and what it reads goes back: two inputs for each word.
     let group = |banks: usize| {
@@ -172,16 +119,16 @@ fn multipliers(plan: &StagePlan, sum_bits: usize) -> Resources {
     let groups = (0..plan.banks()).step_by(8).map(|first| group((plan.banks() - first).min(8)));
     let address = Resources::logic(if plan.reads_both_ports() { 1 } else { address_bits + 2 }, 0);
     let banks = (bank + address) * plan.banks() + groups.sum::<Resources>();
-    Resources { dsp48e1: plan.dsps(), ..banks + shared }
+    Resources { multipliers: plan.dsps(), ..banks + shared }
 }
 
 /// Four slots of vectors in block RAM: pairs of 25 bits, or the parts of dense vectors.
-fn store(plan: &StagePlan) -> Resources {
+fn store(part: &Part, plan: &StagePlan) -> Resources {
     let rows = timing::SLOTS * SLOT_ROWS;
     if plan.is_dense() {
-        Resources::logic(23, 51 + 32 * plan.rows) + block_ram(rows) * plan.rows
+        Resources::logic(23, 51 + 32 * plan.rows) + part.memory.blocks(32, rows) * plan.rows
     } else {
-        Resources::logic(121, 216) + block_ram(rows) * 2
+        Resources::logic(121, 216) + part.memory.blocks(32, rows) * 2
     }
 }
 
@@ -197,10 +144,10 @@ fn operands(plan: &StagePlan) -> Resources {
 }
 
 /// Two elements a cycle through rounding, threshold and difference, with their memories and delays.
-fn results(plan: &StagePlan) -> Resources {
+fn results(part: &Part, plan: &StagePlan) -> Resources {
     let mut parts = vec![Resources::logic(845, 1080)];
     if plan.has_base() {
-        parts.push(Resources::logic(240, 233) + block_ram(timing::BASE_VECTORS * SLOT_ROWS));
+        parts.push(Resources::logic(240, 233) + part.memory.blocks(32, timing::BASE_VECTORS * SLOT_ROWS));
     }
     if plan.shrinks() {
         parts.push(Resources::logic(87, 215) + lut_ram(32, plan.outputs));
@@ -237,14 +184,4 @@ fn ram_blocks(width: usize, depth: usize) -> (usize, usize) {
     let blocks =
         |rows: usize, bits: usize| (depth.div_ceil(rows) * width.div_ceil(bits), depth.div_ceil(rows));
     blocks(64, 3).min(blocks(32, 6))
-}
-
-/// A block RAM 32 bits wide.
-const fn block_ram(depth: usize) -> Resources {
-    let none = Resources::logic(0, 0);
-    if depth <= 512 {
-        Resources { ramb18e1: 1, ..none }
-    } else {
-        Resources { ramb36e1: depth.div_ceil(1024), ..none }
-    }
 }

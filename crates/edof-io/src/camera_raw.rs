@@ -9,7 +9,7 @@ use edof_core::RawFrame;
 use std::path::{Path, PathBuf};
 
 /// Endings of files that are taken for camera raw.
-const ENDINGS: [&str; 11] = ["cr2", "cr3", "nef", "nrw", "arw", "raf", "rw2", "orf", "pef", "srw", "3fr"];
+pub const ENDINGS: [&str; 11] = ["cr2", "cr3", "nef", "nrw", "arw", "raf", "rw2", "orf", "pef", "srw", "3fr"];
 
 /// A camera raw file that cannot be used.
 #[derive(Debug, thiserror::Error)]

@@ -45,7 +45,7 @@ pub enum PictureError {
     Thumbnail { path: PathBuf },
     /// A name whose ending stands for no format.
     #[error("{path}: unknown ending, expected {expected}", path = path.display())]
-    Ending { path: PathBuf, expected: &'static str },
+    Ending { path: PathBuf, expected: String },
     /// The encoder failed.
     #[error("{path}: cannot encode {width}x{height} pixels: {reason}", path = path.display())]
     Encode { path: PathBuf, width: usize, height: usize, reason: String },
@@ -346,9 +346,9 @@ fn limited(mut decoder: impl ImageDecoder) -> ImageResult<(DynamicImage, Orienta
 /// # Errors
 /// [`PictureError::Ending`].
 pub fn format_of(path: &Path) -> Result<Format, PictureError> {
-    let expected = ".png, .tif, .tiff, .ppm or .pgm";
     let format = Format::of_ending(path).filter(|format| format.keeps_values());
-    format.ok_or_else(|| PictureError::Ending { path: path.to_owned(), expected })
+    let expected = || ".png, .tif, .tiff, .ppm or .pgm".to_owned();
+    format.ok_or_else(|| PictureError::Ending { path: path.to_owned(), expected: expected() })
 }
 
 /// Writes samples in the format that the ending of `path` stands for. PNG and TIFF hold a full scale of 255 or 65535.
@@ -356,14 +356,20 @@ pub fn format_of(path: &Path) -> Result<Format, PictureError> {
 /// # Errors
 /// [`PictureError::Ending`], [`PictureError::Encode`] or [`PictureError::Write`].
 pub fn save(path: &Path, samples: &Samples) -> Result<(), PictureError> {
-    let format = format_of(path)?;
+    Ok(edof_core::storage::atomic::write(path, &encode(samples, format_of(path)?, path)?)?)
+}
+
+/// Returns samples as a file of a format; `path` names it in errors.
+///
+/// # Errors
+/// [`PictureError::Encode`].
+pub fn encode(samples: &Samples, format: Format, path: &Path) -> Result<Vec<u8>, PictureError> {
+    if format == Format::Pnm {
+        return Ok(pnm::encode(samples));
+    }
     let (_, height, width) = samples.planes.dim();
-    let refused = |reason: String| PictureError::Encode { path: path.to_owned(), width, height, reason };
-    let bytes = match format {
-        Format::Pnm => pnm::encode(samples),
-        format => picture(samples).and_then(|image| encoded(&image, format)).map_err(refused)?,
-    };
-    Ok(edof_core::storage::atomic::write(path, &bytes)?)
+    let failed = |reason: String| PictureError::Encode { path: path.to_owned(), width, height, reason };
+    picture(samples).and_then(|image| encoded(&image, format)).map_err(failed)
 }
 
 /// As PNG, or else as TIFF.

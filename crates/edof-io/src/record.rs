@@ -71,23 +71,62 @@ pub enum RecordError {
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
     /// Not a record.
-    #[error("{path}: invalid raw-frame record: {}; correct the file, or move it elsewhere", json::words(source), path = path.display())]
-    Invalid { path: PathBuf, source: serde_json::Error },
+    #[error("{path}: invalid raw-frame record: {source}; correct the file, or move it elsewhere", path = path.display())]
+    Invalid { path: PathBuf, source: json::JsonError },
     /// Cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// The frame was replaced, or the options read it as another.
+    /// The frame was replaced, or is read as another.
     #[error(
-        "{path}: describes another frame than {raw}; move it elsewhere if the frame was replaced, else read the frame as it says: {says}",
+        "{path}: describes another frame than {raw}; move it elsewhere if the frame was replaced, else read the frame as it states: phase {phase}, bit depth {depth}, alignment {alignment}",
         path = path.display(), raw = raw.display()
     )]
-    OtherFrame { path: PathBuf, raw: PathBuf, says: String },
-    /// An option that contradicts it.
-    #[error(
-        "--{option} {given}: {path} says {recorded}; leave --{option} out, or --force takes what is stated",
-        path = path.display()
-    )]
-    Contradicted { path: PathBuf, option: &'static str, given: String, recorded: String },
+    OtherFrame { path: PathBuf, raw: PathBuf, phase: CfaPhase, depth: u32, alignment: Alignment },
+}
+
+/// Something that is stated otherwise than it is recorded.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{field} {given}: {path} states {recorded}", path = path.display())]
+pub struct Contradiction {
+    /// The record.
+    pub path: PathBuf,
+    /// What is stated otherwise.
+    pub field: Field,
+    /// The value stated.
+    pub given: String,
+    /// The value recorded.
+    pub recorded: String,
+}
+
+/// What may be stated of a raw frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs, reason = "as in Stated")]
+pub enum Field {
+    Phase,
+    BitDepth,
+    Alignment,
+    Size,
+    Packing,
+    BlackLevel,
+    WhiteLevel,
+    Tone,
+    Camera,
+}
+
+impl std::fmt::Display for Field {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(match self {
+            Self::Phase => "phase",
+            Self::BitDepth => "bit depth",
+            Self::Alignment => "alignment",
+            Self::Size => "size",
+            Self::Packing => "packing",
+            Self::BlackLevel => "black level",
+            Self::WhiteLevel => "white level",
+            Self::Tone => "tone",
+            Self::Camera => "camera",
+        })
+    }
 }
 
 /// Where the record of a raw frame lies.
@@ -100,13 +139,6 @@ pub fn path_of(raw: &Path) -> PathBuf {
 
 /// Most bytes of a record.
 const MAX_BYTES: u64 = 1 << 20;
-
-/// Where values lie in a file of that name, as [`crate::raw::save`] writes it.
-#[must_use]
-pub fn alignment_of(raw: &Path) -> Alignment {
-    let ending = raw.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-    if ["png", "tif", "tiff"].contains(&ending.as_str()) { Alignment::Top } else { Alignment::Bottom }
-}
 
 /// Writes the record of a raw frame beside it.
 ///
@@ -136,13 +168,6 @@ impl Sidecar {
             Self::Record(record) => Some(*record),
             Self::Absent | Self::Foreign(_) => None,
         }
-    }
-
-    /// Returns a line that names a file of another program.
-    #[must_use]
-    pub fn remark(&self) -> Option<String> {
-        let Self::Foreign(path) = self else { return None };
-        Some(format!("{}: is not a raw-frame record of edof; passed over", path.display()))
     }
 }
 
@@ -217,9 +242,9 @@ pub struct Stated {
 }
 
 impl RawRecord {
-    /// Everything that is stated otherwise than it is recorded, each as the error that it is where nothing allows it.
+    /// Returns everything that is stated otherwise than it is recorded.
     #[must_use]
-    pub fn contradictions(&self, raw: &Path, stated: &Stated) -> Vec<RecordError> {
+    pub fn contradictions(&self, raw: &Path, stated: &Stated) -> Vec<Contradiction> {
         fn differ<T: PartialEq + ToString>(given: Option<&T>, recorded: &T) -> Option<(String, String)> {
             given.filter(|given| *given != recorded).map(|given| (given.to_string(), recorded.to_string()))
         }
@@ -232,23 +257,21 @@ impl RawRecord {
         let name = |packing: &Packing| packing.name().to_owned();
         let packing = differ(stated.packing.as_ref().map(name).as_ref(), &name(&Packing::Video));
         let found = [
-            ("phase", differ(stated.phase.as_ref(), &self.phase)),
-            ("bit-depth", differ(stated.depth.as_ref(), &self.depth)),
-            ("align", differ(stated.alignment.as_ref(), &self.alignment)),
-            ("size", self.video.and_then(|size| differ(stated.size.as_ref(), &size))),
-            ("packing", self.video.and(packing)),
-            ("black-level", differ(stated.black_level.as_ref(), &self.black_level)),
-            ("white-level", differ(stated.white_level.as_ref(), &white)),
-            ("tone", differ(stated.tone.as_ref(), &self.tone)),
-            ("camera", camera),
+            (Field::Phase, differ(stated.phase.as_ref(), &self.phase)),
+            (Field::BitDepth, differ(stated.depth.as_ref(), &self.depth)),
+            (Field::Alignment, differ(stated.alignment.as_ref(), &self.alignment)),
+            (Field::Size, self.video.and_then(|size| differ(stated.size.as_ref(), &size))),
+            (Field::Packing, self.video.and(packing)),
+            (Field::BlackLevel, differ(stated.black_level.as_ref(), &self.black_level)),
+            (Field::WhiteLevel, differ(stated.white_level.as_ref(), &white)),
+            (Field::Tone, differ(stated.tone.as_ref(), &self.tone)),
+            (Field::Camera, camera),
         ];
-        let error = |(option, (given, recorded))| RecordError::Contradicted {
-            path: path_of(raw),
-            option,
-            given,
-            recorded,
+        let contradiction = |(field, differ): (Field, Option<(String, String)>)| {
+            let (given, recorded) = differ?;
+            Some(Contradiction { path: path_of(raw), field, given, recorded })
         };
-        found.into_iter().filter_map(|(option, differ)| Some((option, differ?))).map(error).collect()
+        found.into_iter().filter_map(contradiction).collect()
     }
 
     /// The record with what is stated in place of what was recorded.
@@ -298,8 +321,13 @@ impl RawRecord {
         if Input::raw_frame("", frame).sha256 == self.sha256 {
             return Ok(());
         }
-        let says = format!("--phase {} --bit-depth {} --align {}", self.phase, self.depth, self.alignment);
-        Err(RecordError::OtherFrame { path: path_of(raw), raw: raw.to_owned(), says })
+        Err(RecordError::OtherFrame {
+            path: path_of(raw),
+            raw: raw.to_owned(),
+            phase: self.phase,
+            depth: self.depth,
+            alignment: self.alignment,
+        })
     }
 }
 
@@ -316,7 +344,7 @@ mod tests {
         let record = RawRecord {
             phase,
             depth: 12,
-            alignment: alignment_of(&path),
+            alignment: raw::writer(&path).unwrap().alignment,
             video: None,
             black_level: Black::from(64),
             white_level: None,
@@ -374,12 +402,6 @@ mod tests {
             std::fs::write(path_of(&path), foreign).unwrap();
             let found = load(&path).unwrap();
             assert_eq!(found, Sidecar::Foreign(path_of(&path)), "{foreign}");
-            assert!(
-                found
-                    .remark()
-                    .unwrap()
-                    .ends_with("frame.png.json: is not a raw-frame record of edof; passed over")
-            );
             assert!(!is_beside(&path));
         }
         std::fs::write(path_of(&path), [0xff, 0xfe, 0]).unwrap();
@@ -420,7 +442,7 @@ mod tests {
         let found = told(otherwise.clone());
         assert_eq!(found.len(), says.len(), "{found:?}");
         for (line, says) in found.iter().zip(says) {
-            assert!(line.contains(&format!("says {says}")) && line.contains("; leave --"), "{line}");
+            assert!(line.contains(&format!("states {says}")), "{line}");
         }
         let overruled = record.with(otherwise.clone());
         assert!(overruled.contradictions(&path, &otherwise).is_empty());
@@ -435,7 +457,7 @@ mod tests {
         let replaced = RawFrame::from_values(values, 12, CfaPhase::Rggb).unwrap();
         let error = record.check(&path, &replaced).unwrap_err();
         assert!(matches!(error, RecordError::OtherFrame { .. }));
-        assert!(error.to_string().ends_with("--phase rggb --bit-depth 12 --align top"), "{error}");
+        assert!(error.to_string().ends_with("phase rggb, bit depth 12, alignment top"), "{error}");
     }
 
     #[test]

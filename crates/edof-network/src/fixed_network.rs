@@ -141,9 +141,9 @@ pub enum FixedNetworkError {
     /// The difference form keeps one format for all sparse codes.
     #[error("code_fractions: differ from layer to layer, the difference form needs them equal")]
     UnequalFractions,
-    /// Two-sided thresholds cannot be negative.
-    #[error("thresholds: holds {0}, two-sided shrinkage needs thresholds of 0 or more")]
-    NegativeThreshold(i16),
+    /// A negative threshold of a shrinkage that has none.
+    #[error("thresholds: holds {value}, {shrinkage} shrinkage needs thresholds of 0 or more")]
+    NegativeThreshold { shrinkage: Shrinkage, value: i16 },
 }
 
 impl FixedNetwork {
@@ -279,10 +279,10 @@ impl FixedNetwork {
         fits("dictionary", &mut self.dictionary.weights.iter())?;
         fits("linear_path", &mut self.linear_path.iter().flat_map(|r| r.weights.iter()))?;
         fits("thresholds", &mut self.thresholds.iter().flatten())?;
-        let negative = self.thresholds.iter().flatten().find(|v| **v < 0);
-        match (self.form.shrinkage, negative) {
-            (Shrinkage::TwoSided, Some(&value)) => Err(FixedNetworkError::NegativeThreshold(value)),
-            _ => Ok(()),
+        let shrinkage = self.form.shrinkage;
+        match self.thresholds.iter().flatten().find(|v| **v < 0 && !shrinkage.allows_negative()) {
+            Some(&value) => Err(FixedNetworkError::NegativeThreshold { shrinkage, value }),
+            None => Ok(()),
         }
     }
 

@@ -3,9 +3,21 @@
 use crate::network::{Form, Recurrence, Shrinkage};
 use edof_core::Window;
 
-/// Words of `--form`, for its help.
-pub const HELP: &str = "paper-t4 or edof-t4w12, or words from the left: one-sided | two-sided, w8 | w12 | w16 (window), \
-t2…t10 (layers), c1…c1024 (codes), r (linear path), tied, difference";
+/// Returns the keywords of `--form`, for its help.
+#[must_use]
+pub fn help() -> String {
+    let shrinkages: Vec<&str> = Shrinkage::ALL.iter().rev().map(|shrinkage| shrinkage.name()).collect();
+    format!(
+        "paper-t4 or edof-t4w12, or words from the left: {}, w8 | w12 | w16 (window), t2…t10 (layers), c1…c1024 (codes), \
+         r (linear path), tied, difference",
+        shrinkages.join(" | ")
+    )
+}
+
+/// Returns the shrinkage of that name.
+fn shrinkage(word: &str) -> Option<Shrinkage> {
+    Shrinkage::ALL.into_iter().find(|shrinkage| shrinkage.name() == word)
+}
 
 /// Reads a form. It starts as the paper's (two-sided, window 8, T = 4, 192 codes); each word changes it.
 ///
@@ -42,7 +54,7 @@ const PRESETS: [&str; 2] = ["paper-t4", "edof-t4w12"];
 /// What a keyword sets: numbers are known by their first letter.
 fn subject(word: &str) -> &str {
     match word {
-        "one-sided" | "two-sided" => "sided",
+        word if shrinkage(word).is_some() => "shrinkage",
         word if word.ends_with(|c: char| c.is_ascii_digit()) && !PRESETS.contains(&word) => &word[..1],
         word => word,
     }
@@ -53,16 +65,15 @@ fn apply(form: &mut Form, word: &str) -> Result<(), String> {
     match word {
         "paper-t4" => (),
         "edof-t4w12" => ["one-sided", "w12", "r"].iter().try_for_each(|w| apply(form, w))?,
-        "one-sided" => form.shrinkage = Shrinkage::OneSided,
-        "two-sided" => form.shrinkage = Shrinkage::TwoSided,
         "r" => form.linear_path = true,
         "tied" => form.tied = true,
         "difference" => form.recurrence = Recurrence::Difference,
-        _ => match (number('w'), number('t'), number('c')) {
-            (Some(side), ..) => form.window = Window::new(side).map_err(|e| e.to_string())?,
-            (_, Some(layers), _) => form.layers = layers,
+        _ => match (shrinkage(word), number('w'), number('t'), number('c')) {
+            (Some(shrinkage), ..) => form.shrinkage = shrinkage,
+            (_, Some(side), ..) => form.window = Window::new(side).map_err(|e| e.to_string())?,
+            (.., Some(layers), _) => form.layers = layers,
             (.., Some(codes)) => form.codes = codes,
-            _ => return Err(format!("unknown keyword '{word}', expected {HELP}")),
+            _ => return Err(format!("unknown keyword '{word}', expected {}", help())),
         },
     }
     Ok(())
@@ -72,7 +83,7 @@ fn apply(form: &mut Form, word: &str) -> Result<(), String> {
 #[must_use]
 pub fn words(form: &Form) -> String {
     let mut words = vec![
-        if form.shrinkage == Shrinkage::OneSided { "one-sided" } else { "two-sided" }.to_owned(),
+        form.shrinkage.to_string(),
         format!("w{}", form.window.side()),
         format!("t{}", form.layers),
         format!("c{}", form.codes),

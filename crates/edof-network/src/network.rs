@@ -8,6 +8,7 @@
 //! x       = D z_{T−1} + R y       F layer, R where the form has a linear path
 //! ```
 
+pub use crate::shrinkage::Shrinkage;
 use edof_core::camera::Camera;
 use edof_core::colour::RGB_OUTPUTS;
 use edof_core::geometry::Window;
@@ -16,16 +17,6 @@ use edof_core::storage::provenance::Provenance;
 use edof_core::tone::Tone;
 use ndarray::{Array1, Array2};
 use serde::{Deserialize, Serialize};
-
-/// The soft threshold σ_θ.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Shrinkage {
-    /// sign(b)·max(|b| − θ, 0), θ ≥ 0: the paper's.
-    TwoSided,
-    /// max(b − θ, 0), θ of any sign.
-    OneSided,
-}
 
 /// What an M layer adds its product to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -47,7 +38,7 @@ pub struct Form {
     pub codes: usize,
     /// T: one I, T − 2 M, one F.
     pub layers: usize,
-    /// The soft threshold.
+    /// The non-linearity.
     pub shrinkage: Shrinkage,
     /// What M layers add to.
     pub recurrence: Recurrence,
@@ -76,9 +67,9 @@ pub enum NetworkError {
     /// NaN or infinity.
     #[error("{what}: holds {value}, every weight must be a finite number")]
     NotFinite { what: &'static str, value: f32 },
-    /// Two-sided thresholds cannot be negative.
-    #[error("thresholds: holds {0}, two-sided shrinkage needs thresholds of 0 or more")]
-    NegativeThreshold(f32),
+    /// A negative threshold of a shrinkage that has none.
+    #[error("thresholds: holds {value}, {shrinkage} shrinkage needs thresholds of 0 or more")]
+    NegativeThreshold { shrinkage: Shrinkage, value: f32 },
 }
 
 impl Form {
@@ -233,9 +224,10 @@ impl Network {
         for theta in &self.thresholds {
             check_shape("thresholds", (theta.len(), 1), (codes, 1))?;
             check_finite("thresholds", theta.iter())?;
-            let negative = theta.iter().find(|v| **v < 0.0);
-            if let (Shrinkage::TwoSided, Some(&value)) = (form.shrinkage, negative) {
-                return Err(NetworkError::NegativeThreshold(value));
+            let shrinkage = form.shrinkage;
+            let negative = theta.iter().find(|v| **v < 0.0 && !shrinkage.allows_negative());
+            if let Some(&value) = negative {
+                return Err(NetworkError::NegativeThreshold { shrinkage, value });
             }
         }
         for s in &self.recurrent {

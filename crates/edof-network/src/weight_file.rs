@@ -363,8 +363,8 @@ impl Loaded {
             .as_ref()
             .and_then(|m| m.get(METADATA_KEY))
             .ok_or_else(|| foreign(format!("its metadata has no entry '{METADATA_KEY}'")))?;
-        let metadata: Metadata = serde_json::from_str(text)
-            .map_err(|e| foreign(format!("its metadata is wrong: {}", json::words(&e))))?;
+        let metadata: Metadata =
+            json::parse(text).map_err(|e| foreign(format!("its metadata is wrong: {e}")))?;
         if metadata.layout != LAYOUT {
             return Err(foreign(format!("layout {}, this program reads {LAYOUT}", metadata.layout)));
         }

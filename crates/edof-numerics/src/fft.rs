@@ -16,6 +16,12 @@ pub use rustfft::num_complex::{Complex, Complex64};
 use rustfft::{FftNum, FftPlanner};
 use std::sync::Arc;
 
+/// Whether no prime but 2, 3 and 5 divides `n`: transforms of that length are fast.
+#[must_use]
+pub fn is_smooth(n: usize) -> bool {
+    n == 1 || [2, 3, 5].into_iter().any(|p| n.is_multiple_of(p) && is_smooth(n / p))
+}
+
 /// A number that transforms are planned for.
 pub trait Real: FftNum {
     /// The forward transform of `n` samples, not normalized: X\[k\] = Σ x\[i\]·exp(−2πi·ik/n).

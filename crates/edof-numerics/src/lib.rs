@@ -12,6 +12,8 @@
 //! # Ok::<(), edof_numerics::NotPositive>(())
 //! ```
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 mod cholesky;
 pub mod fft;
 mod functions;

@@ -3,15 +3,16 @@
 use edof_core::Noise;
 use edof_core::camera::Camera;
 use edof_core::camera::{Delay, Ring};
+use edof_optics::Sensor;
 use edof_optics::capture::{Approximation, capture};
 use edof_optics::draw::{Builtin, draw, four_depths};
 use edof_optics::psf::{Settings, channel_psfs};
-use edof_optics::sensor::Sensor;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut camera = Camera::resolve("clear-mid")?;
     let delay = Delay::Phase { rad: 5.0, at_nm: 455.0 };
-    (camera.name, camera.rings) = ("mine".into(), vec![Ring { inner: 0.6, outer: 0.9, delay }]);
+    (camera.name, camera.mask) =
+        ("mine".into(), [Ring { inner: 0.6, outer: 0.9, delay }].into_iter().collect());
     camera.check()?;
 
     for psi in [0.0, 4.0, 8.0] {

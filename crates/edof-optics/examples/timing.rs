@@ -1,18 +1,17 @@
 //! Times of PSFs, blur and the design's judge on this machine: `cargo run --release -p edof-optics --example timing`. PSFs are compared
 //! with the former sums, whole planes transformed one after another on a period that is a multiple of the support.
 
-use edof_core::camera::Aberration;
-use edof_core::camera::Camera;
+use edof_core::camera::{Aberration, Camera, Zernike};
 use edof_core::{Channel, ColourFrame};
 use edof_numerics::fft::{Complex64, Real};
 use edof_numerics::sinc;
-use edof_optics::blur::{Blur, blur_frame};
+use edof_optics::Pupil;
+use edof_optics::Statistics;
 use edof_optics::cosine::{EvenTransform, fold_rows, period};
 use edof_optics::design::default_task;
 use edof_optics::estimator::judge;
-use edof_optics::psf::{Settings, channel_psfs, psf, quarter_psf, wave_um};
-use edof_optics::pupil::Pupil;
-use edof_optics::statistics::Statistics;
+use edof_optics::psf::{Settings, channel_psfs, psf, quarter_psf};
+use edof_optics::{Blur, blur_frame};
 use ndarray::Array2;
 use std::hint::black_box;
 use std::time::Instant;
@@ -73,7 +72,7 @@ fn against_former_sums(camera: &Camera) {
         println!("PSF of a round lens, support {support:4}: {times} as fast, apart {apart:.1e}");
     }
     // A tilt of nothing is the same lens, but not a round one.
-    let aberrations = vec![Aberration { noll: 2, rms_nm: 0.0 }];
+    let aberrations = Zernike(vec![Aberration { noll: 2, rms_nm: 0.0 }]);
     let tilted = Camera { aberrations, ..camera.clone() };
     let settings = Settings::default();
     let (mut before, mut after) = (f64::INFINITY, f64::INFINITY);
@@ -93,7 +92,7 @@ fn against_former_sums(camera: &Camera) {
 
 /// Points along a side of the former period.
 fn former_period(camera: &Camera, nm: f64, support: usize) -> (usize, f64) {
-    let wave = wave_um(camera, nm) / camera.pixel_pitch_um;
+    let wave = camera.wave_um(nm) / camera.pixel_pitch_um;
     (support * (2.0 / wave).ceil().max(1.0) as usize, support as f64 / (2.0 * wave))
 }
 

@@ -1,6 +1,6 @@
-//! PSFs from a camera's own bank ([`edof_core::camera::psf_bank`]) in place of those that follow from its lens.
+//! PSFs from a camera's own bank ([`Kernels`]) in place of those that follow from its lens.
 
-use edof_core::camera::psf_bank::Kernels;
+use edof_core::camera::Kernels;
 use ndarray::{Array2, Array4, s};
 
 /// The least and the greatest ψ of a bank.

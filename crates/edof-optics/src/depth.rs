@@ -8,7 +8,7 @@ use edof_core::camera::Camera;
 /// ψ (radians) of an object at `object_m` metres when ψ = 0 lies at `nominal_m` metres; either may be infinite.
 ///
 /// ```
-/// use edof_optics::depth::{distance_m, psi_at};
+/// use edof_optics::{distance_m, psi_at};
 /// let camera = edof_core::camera::Camera::resolve("ring-2018")?;
 /// let psi = psi_at(&camera, 1.5, 3.0);
 /// assert!((distance_m(&camera, psi, 3.0).unwrap() - 1.5).abs() < 1e-9);
@@ -37,7 +37,7 @@ pub fn psi_metres(camera: &Camera) -> f64 {
 /// `psi` away from its focus.
 #[must_use]
 pub fn geometric_blur_um(camera: &Camera, psi: f64) -> f64 {
-    let wave_um = camera.reference_wavelength_nm * 1e-3 * camera.f_number();
+    let wave_um = camera.wave_um(camera.reference_wavelength_nm);
     4.0 / std::f64::consts::PI * (psi - camera.focus_psi).abs() * wave_um
 }
 

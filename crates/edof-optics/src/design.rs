@@ -177,11 +177,9 @@ fn camera(base: &Camera, search: &Search, genes: &[f64]) -> Camera {
         Ring { inner, outer, delay: Delay::Phase { rad, at_nm: base.reference_wavelength_nm } }
     };
     Camera {
-        rings: radii.chunks(2).zip(phases).map(ring).collect(),
+        mask: radii.chunks(2).zip(phases).map(ring).collect(),
         focus_psi: focus.first().copied().or(search.focus).unwrap_or(base.focus_psi),
         defocus_sign: Sign::Plus,
-        profile: None,
-        height_map: None,
         ..base.clone()
     }
 }

@@ -6,9 +6,10 @@
 //! pictures: a camera is judged in tens of milliseconds.
 
 use crate::cosine::{EvenTransform, period};
-use crate::psf::{NoPsf, OUTSIDE, Psf, Settings, channel_psfs, pixel_transfer, rays_beyond, wavelengths};
+use crate::psf::support::{OUTSIDE, rays_beyond};
+use crate::psf::{NoPsf, Psf, Settings, channel_psfs, pixel_transfer, wavelengths};
 use crate::statistics::{SIDE, Statistics, pair};
-use edof_core::camera::Camera;
+use edof_core::camera::{Camera, PhaseTerm, Spectrum, Symmetry};
 use edof_core::geometry::{PATCH, Window};
 use edof_core::words::number;
 use edof_core::{CfaPhase, Channel};
@@ -67,12 +68,8 @@ pub enum JudgeError {
 
 /// Rejects what would be judged as something else.
 fn check(camera: &Camera, task: &Task) -> Result<(), JudgeError> {
-    let beyond = [
-        (camera.psf_bank.is_some(), "a PSF bank"),
-        (camera.height_map.is_some(), "a height map"),
-        (!camera.aberrations.is_empty(), "aberrations"),
-    ];
-    if let Some((_, what)) = beyond.into_iter().find(|(there, _)| *there) {
+    let shaped = || camera.terms().find(|term| term.symmetry() == Symmetry::None).map(PhaseTerm::what);
+    if let Some(what) = camera.psf_bank.as_ref().map(|_| "a PSF bank").or_else(shaped) {
         return Err(JudgeError::Lens { camera: camera.name.clone(), what });
     }
     let too_far = task.psis.iter().map(|&psi| (psi, rays_beyond(camera, psi, 0.5 * SIDE as f64)));
@@ -137,7 +134,7 @@ pub fn seen_of_patch(
 ) -> Result<Array2<f64>, SeenError> {
     let sites = Sites::new(window);
     // PSFs of the user, and those of a lens with errors, need not be even.
-    let yx = if camera.psf_bank.is_none() && camera.is_round() {
+    let yx = if camera.psf_bank.is_none() && camera.symmetry() == Symmetry::Round {
         Seen::new(camera, psi, statistics, &sites).yx
     } else {
         crossed(&channel_psfs(camera, psi, &Settings::default())?, statistics, &sites)
@@ -263,8 +260,8 @@ impl Seen {
 fn transfer(camera: &Camera, channel: Channel, psi: f64) -> Array2<f64> {
     let spectrum = camera.spectrum(channel);
     let lines = match spectrum {
-        edof_core::camera::Spectrum::Line(nm) => vec![*nm],
-        edof_core::camera::Spectrum::Sampled(_) => wavelengths(spectrum, WAVELENGTHS),
+        Spectrum::Line(nm) => vec![*nm],
+        Spectrum::Sampled(_) => wavelengths(spectrum, WAVELENGTHS),
     };
     let share = 1.0 / lines.len() as f64;
     let planes = lines.iter().map(|&nm| pixel_transfer(camera, nm, psi, SIDE) * share);
@@ -274,6 +271,7 @@ fn transfer(camera: &Camera, channel: Channel, psi: f64) -> Array2<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use edof_core::camera::{Aberration, Zernike};
 
     fn task(noise: f64) -> Task {
         Task {
@@ -291,7 +289,7 @@ mod tests {
             judge(camera, &Statistics::natural(), task).unwrap_err().to_string()
         };
         let mut tilted = ring.clone();
-        tilted.aberrations = vec![edof_core::camera::Aberration { noll: 7, rms_nm: 20.0 }];
+        tilted.aberrations = Zernike(vec![Aberration { noll: 7, rms_nm: 20.0 }]);
         assert!(
             refused(&tilted, &task(0.01)).starts_with("camera ring-2018: has aberrations, which the linear")
         );

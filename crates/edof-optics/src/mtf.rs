@@ -1,8 +1,9 @@
 //! How contrast falls with spatial frequency and with depth (the two parts of the paper's Figure 1).
 
-use crate::psf::{self, NoPsf, Psf, Settings, channel_psfs, otf_along_row, wave_um, wavelengths};
+use crate::psf::support::otf_support;
+use crate::psf::{self, NoPsf, Psf, Settings, channel_psfs, otf_along_row, wavelengths};
 use edof_core::Channel;
-use edof_core::camera::{Camera, Spectrum};
+use edof_core::camera::{Camera, Spectrum, Symmetry};
 use edof_numerics::fft::Complex64;
 use edof_numerics::sinc;
 use ndarray::{Array1, Axis};
@@ -22,8 +23,8 @@ pub enum Footprint {
     LensAndPixel,
 }
 
-/// The optical transfer function along a row of pixels. It is real because the pupil is even; negative values are reversed
-/// contrast, and the MTF is its magnitude.
+/// The optical transfer function along a row of pixels. Behind a round pupil it is real; negative values are reversed contrast, and the MTF
+/// is its magnitude. Behind others it is the magnitude itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Otf {
     /// Spacing of the samples in cycles per millimetre; the first is at zero.
@@ -53,7 +54,7 @@ impl Otf {
 pub fn otf(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) -> Result<Otf, NoPsf> {
     psf::check(camera, psi)?;
     let step_per_mm = |support: usize| 1e3 / (support as f64 * camera.pixel_pitch_um);
-    if camera.psf_bank.is_some() || !camera.is_round() {
+    if camera.psf_bank.is_some() || camera.symmetry() == Symmetry::None {
         let psf = &channel_psfs(camera, psi, &Settings::default())?[channel.plane()];
         return Ok(Otf { step_per_mm: step_per_mm(SUPPORT), values: contrast_of(psf, footprint) });
     }
@@ -62,7 +63,7 @@ pub fn otf(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) ->
         Spectrum::Line(nm) => vec![*nm],
         Spectrum::Sampled(_) => wavelengths(spectrum, WAVELENGTHS),
     };
-    let support = psf::otf_support(camera, psi);
+    let support = otf_support(camera, psi);
     let otfs: Vec<_> = lines.iter().map(|&nm| otf_along_row(camera, nm, psi, support)).collect();
     let length = otfs.iter().map(Array1::len).max().unwrap_or(0);
     let mean = |q: usize| otfs.iter().filter_map(|o| o.get(q)).sum::<f64>() / otfs.len() as f64;
@@ -103,7 +104,7 @@ pub fn sampled_otf(psf: &Psf, cycles_per_pixel: f64) -> [Complex64; 2] {
 /// The diffraction limit 1/(λF#) at a wavelength, in cycles per millimetre.
 #[must_use]
 pub fn cutoff_per_mm(camera: &Camera, wavelength_nm: f64) -> f64 {
-    1e3 / wave_um(camera, wavelength_nm)
+    1e3 / camera.wave_um(wavelength_nm)
 }
 
 /// The diffraction limit that plots refer to: that of green's middle wavelength.
@@ -133,7 +134,7 @@ pub fn through_focus(
 mod tests {
     use super::*;
     use crate::bank;
-    use edof_core::camera::psf_bank::{Kernels, PsfBank};
+    use edof_core::camera::{Kernels, Mask, PsfBank};
 
     const PSIS: [f64; 9] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
 
@@ -200,7 +201,7 @@ mod tests {
         let stack = bank::stacked(&[psfs.each_ref().map(|psf| psf.kernel())]).mapv(f64::from);
         let kernels = Kernels::new(vec![3.0], stack.view(), None).unwrap();
         let own = PsfBank { file: "x".into(), sha256: String::new(), kernels: Some(kernels.into()) };
-        let banked = Camera { psf_bank: Some(own), rings: vec![], ..lens.clone() };
+        let banked = Camera { psf_bank: Some(own), mask: Mask::default(), ..lens.clone() };
         for (channel, per_mm) in [(Channel::Red, 40.0), (Channel::Green, 90.0), (Channel::Blue, 120.0)] {
             let [lens, banked] =
                 [&lens, &banked].map(|c| otf(c, channel, 3.0, Footprint::LensAndPixel).unwrap());

@@ -73,16 +73,16 @@ impl SceneFile {
     }
 
     /// ```
-    /// use edof_optics::scene_file::SceneFile;
+    /// use edof_optics::SceneFile;
     /// let scene = SceneFile::parse(r#"{"layers": [{"picture": "wall.png", "depth": "3m"}]}"#)?;
     /// assert_eq!(scene.layers.len(), 1);
-    /// # Ok::<(), edof_optics::scene_file::SceneFileError>(())
+    /// # Ok::<(), edof_optics::SceneFileError>(())
     /// ```
     ///
     /// # Errors
     /// A text that lists no scene.
     pub fn parse(text: &str) -> Result<Self, SceneFileError> {
-        let file: Self = json::parse(text).map_err(|e| SceneFileError::NoScene(json::words(&e)))?;
+        let file: Self = json::parse(text).map_err(|e| SceneFileError::NoScene(e.to_string()))?;
         let layers = &file.layers;
         if !(1..=MAX_LAYERS).contains(&layers.len()) {
             return Err(SceneFileError::Layers(layers.len()));
@@ -118,7 +118,10 @@ mod tests {
                 format!("{wall},{vase},{wall}"),
                 "layer 2 has no matte, so it hides all behind it; only layer 0 has none",
             ),
-            (r#"{"picture": "a", "depth": true}"#.into(), "no scene of layers: a depth is a psi as a number"),
+            (
+                r#"{"picture": "a", "depth": true}"#.into(),
+                "no scene of layers: layers[0].depth: a depth is a psi as a number",
+            ),
         ] {
             let said = SceneFile::parse(&format!(r#"{{"layers": [{layers}]}}"#)).unwrap_err().to_string();
             assert!(said.starts_with(reason), "{said}");

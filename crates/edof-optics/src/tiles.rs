@@ -6,7 +6,7 @@
 
 use crate::cosine::mirror_index;
 use crate::psf::Psf;
-use edof_numerics::fft::{Complex, Fft, Real};
+use edof_numerics::fft::{Complex, Fft, Real, is_smooth};
 use ndarray::{Array2, ArrayView2, ArrayViewMut1, s};
 use std::ops::Range;
 use std::sync::Arc;
@@ -129,11 +129,6 @@ fn cheapest(length: usize, reach: usize) -> Option<usize> {
     let longest = LONG.max(6 * reach).min(LONGEST);
     let periods = (256..=longest).step_by(32).filter(|n| is_smooth(*n) && 4 * reach <= *n);
     periods.min_by(|a, b| cost(a).total_cmp(&cost(b)))
-}
-
-/// Whether no prime but 2, 3 and 5 divides `n`: transforms of that length are fast.
-pub fn is_smooth(n: usize) -> bool {
-    n == 1 || [2, 3, 5].into_iter().any(|p| n.is_multiple_of(p) && is_smooth(n / p))
 }
 
 impl Cut {

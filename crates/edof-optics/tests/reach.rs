@@ -2,9 +2,9 @@
 
 use edof_core::Channel;
 use edof_core::camera::Camera;
-use edof_core::camera::{Aberration, Profile};
-use edof_optics::mtf::{Footprint, otf, sampled_otf};
+use edof_core::camera::{Aberration, Profile, Zernike};
 use edof_optics::psf::{Psf, PsfError, Settings, psf, quarter_psf};
+use edof_optics::{Footprint, otf, sampled_otf};
 use ndarray::{Array2, arr2};
 
 fn clear() -> Camera {
@@ -14,13 +14,16 @@ fn clear() -> Camera {
 /// A clear lens with a cone of phase: rays leave `pixels` from the centre, all of them.
 fn cone(pixels: f64) -> Camera {
     let slope = std::f64::consts::PI * pixels * clear().pixel_pitch_um / (0.535 * clear().f_number());
-    Camera { profile: Some(Profile { at_nm: 535.0, points: vec![[0.0, 0.0], [1.0, slope]] }), ..clear() }
+    Camera {
+        mask: [Profile { at_nm: 535.0, points: vec![[0.0, 0.0], [1.0, slope]] }].into_iter().collect(),
+        ..clear()
+    }
 }
 
 /// A clear lens tilted so that the point moves to the right, through as many terms as the limit of one needs.
 fn tilted(pixels: f64) -> Camera {
     let rms_nm = 1e3 * pixels * clear().pixel_pitch_um / (4.0 * clear().f_number()) / 4.0;
-    Camera { aberrations: vec![Aberration { noll: 2, rms_nm }; 4], ..clear() }
+    Camera { aberrations: Zernike(vec![Aberration { noll: 2, rms_nm }; 4]), ..clear() }
 }
 
 /// With a kernel cut so early that the edge of the aperture alone would need a support of 256 pixels.
@@ -75,7 +78,7 @@ fn light_that_no_support_has_room_for_is_refused_with_what_helps() {
         "psi 3: camera clear throws 100 % of the light more than 512 pixels from the centre, the farthest that is computed; \
          use less defocus or larger pixels, a weaker profile"
     );
-    let coma = Camera { aberrations: vec![Aberration { noll: 8, rms_nm: 10_000.0 }; 2], ..clear() };
+    let coma = Camera { aberrations: Zernike(vec![Aberration { noll: 8, rms_nm: 10_000.0 }; 2]), ..clear() };
     assert!(refused(&coma, 0.0).ends_with("larger pixels, weaker aberrations"), "{}", refused(&coma, 0.0));
     // Defocus alone: a disk of 1700 pixels across.
     let fine = Camera { pixel_pitch_um: 0.24, ..clear() };
@@ -88,7 +91,13 @@ fn light_that_no_support_has_room_for_is_refused_with_what_helps() {
     // A steep wall is an edge: it diffracts, and next to no ray goes through it.
     let wall = Profile { at_nm: 535.0, points: vec![[0.5, 0.0], [0.5001, 3.0]] };
     assert!(
-        psf(&Camera { profile: Some(wall), ..clear() }, Channel::Green, 3.0, &Settings::default()).is_ok()
+        psf(
+            &Camera { mask: [wall].into_iter().collect(), ..clear() },
+            Channel::Green,
+            3.0,
+            &Settings::default()
+        )
+        .is_ok()
     );
 }
 

@@ -2,7 +2,7 @@
 //!
 //! With Ŵ the words' matrices, W the real ones and v̂, v what they multiply, Ŵv̂ − Wv = Ŵ(v̂ − v) + (Ŵ − W)v. Each row's bound is
 //! Σ|Ŵ|·(bound of v) for the first term, the most that (Ŵ − W)v can be for any v that occurs (interval arithmetic over all windows) for
-//! the second, and half of the result's last bit for rounding. Shrinkage and saturation bring no two numbers further apart, so the bound
+//! the second, and half of the result's last bit for rounding. Shrinkage brings two numbers apart by its gain at most, and saturation by nothing, so the bound
 //! holds for every window, those that saturate too, against a network clamped to the same ranges ([`crate::float_reference`]); where none of its
 //! values reaches an end of its range, that is the float network.
 //!
@@ -13,7 +13,7 @@ use crate::float_reference::all_ends;
 use crate::fold::Folded;
 use edof_core::number::{INPUT_FRACTION, OUTPUT_FRACTION};
 use edof_network::fixed_network::layer_names;
-use edof_network::network::{Recurrence, Shrinkage};
+use edof_network::network::Recurrence;
 use edof_network::{FixedNetwork, Network};
 use ndarray::{Array1, Array2, ArrayView1};
 use serde::Serialize;
@@ -286,21 +286,15 @@ impl Work<'_> {
 
     fn shrunk(&self, t: usize, b: &Known, ends: [f64; 2]) -> Known {
         let (own, exact) = (&self.computed.thresholds[t], &self.reference.thresholds[t]);
-        let shrink = |v: f64, i: usize| match self.fixed.form.shrinkage {
-            Shrinkage::OneSided => (v - exact[i]).max(0.0),
-            Shrinkage::TwoSided => (v - exact[i]).max(0.0) + (v + exact[i]).min(0.0),
-        };
-        let real = b.real.map(shrink);
+        let shrinkage = self.fixed.form.shrinkage;
+        let real = b.real.map(|v, i| shrinkage.value(v, exact[i]));
         let size = b.real.size();
         let off = Array1::from_shape_fn(own.len(), |i| {
             let rounding = 3.0 * self.single() * (size[i] + b.off[i] + exact[i].abs());
             let off = b.off[i] + (own[i] - exact[i]).abs() + rounding;
             // Closed for every window, whatever the error: nothing passes.
-            let beyond = match self.fixed.form.shrinkage {
-                Shrinkage::OneSided => b.real.max[i],
-                Shrinkage::TwoSided => size[i],
-            };
-            if beyond + off <= exact[i] { 0.0 } else { off }
+            let closing = shrinkage.closing_threshold(b.real.min[i], b.real.max[i]);
+            if closing + off <= exact[i] { 0.0 } else { shrinkage.gain() * off }
         });
         held(Known { real, off }, ends)
     }

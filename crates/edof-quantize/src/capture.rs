@@ -4,11 +4,11 @@ use crate::Scene;
 use edof_core::{ColourFrame, Noise, Stride};
 use edof_network::fixed_network::CalibratedOn;
 use edof_network::network::{Condition, Origin};
-use edof_optics::blur::blur_frame;
+use edof_optics::blur_frame;
 use edof_optics::capture::CaptureError;
 use edof_optics::draw::{Builtin, DrawError, draw};
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
-use edof_optics::sensor::{Sensor, SensorError, expose};
+use edof_optics::{Sensor, SensorError, expose};
 use rayon::prelude::*;
 
 /// Depths that scenes are captured at, evenly over the camera's range.

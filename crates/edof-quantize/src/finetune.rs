@@ -16,7 +16,7 @@ use edof_core::Noise;
 use edof_core::colour::{OUTPUTS_422, RGB_OUTPUTS};
 use edof_network::FixedNetwork;
 use edof_network::float::parameters::Layout;
-use edof_network::network::{Form, Shrinkage};
+use edof_network::network::Form;
 use edof_numerics::random::Random;
 use edof_train::adam::Adam;
 use edof_train::dataset::{Batch, Dataset, Place};
@@ -200,10 +200,9 @@ impl<'a> Tuner<'a> {
 
     /// The words for the weights now, except for the first `settled` of A and all S.
     fn round(&mut self, settled: usize) {
-        if self.words.form.shrinkage == Shrinkage::TwoSided {
-            for theta in &self.layout.thresholds {
-                self.weights[theta.clone()].iter_mut().for_each(|t| *t = t.max(0.0));
-            }
+        let shrinkage = self.words.form.shrinkage;
+        for theta in &self.layout.thresholds {
+            self.weights[theta.clone()].iter_mut().for_each(|t| *t = shrinkage.legal(*t));
         }
         self.condition.to_network(&self.weights, &mut self.scratch);
         let folded = Folded::unflatten(&self.words.form, &self.scratch);

@@ -262,10 +262,7 @@ fn all_thresholds(folded: &Folded, fractions: &[u32], bits: u32, shrinkage: Shri
 
 fn thresholds(theta: &Array1<f64>, fraction: u32, bits: u32, shrinkage: Shrinkage) -> Array1<i16> {
     // A threshold above every code closes its coefficient; the largest code does the same.
-    theta.mapv(|t| {
-        let word = word(t, fraction, bits);
-        if shrinkage == Shrinkage::TwoSided { word.max(0) } else { word }
-    })
+    theta.mapv(|t| shrinkage.legal(word(t, fraction, bits)))
 }
 
 fn word(value: f64, fraction: u32, bits: u32) -> i16 {

@@ -30,6 +30,8 @@
 //!
 //! Stable: files of fixed networks. Signatures may change between minor versions until 1.0; `examples/lens_to_picture.rs` goes from a lens to a picture in thirty lines.
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 pub mod bounds;
 pub mod calibration;
 pub mod capture;

@@ -12,7 +12,7 @@ use edof_network::float::parameters::flatten;
 use edof_network::float::pass::Pass;
 use edof_network::float::reconstruct::{FloatReconstructor, Output};
 use edof_network::network::{Form, NetworkError, Origin, Recurrence, Shrinkage};
-use edof_optics::sensor::{Sensor, expose};
+use edof_optics::{Sensor, expose};
 use edof_quantize::{
     Calibration, FinetuneOptions, FinetuneProgress, QuantizeError, QuantizeOptions, finetune, fold, quantize,
 };
@@ -25,13 +25,13 @@ use proptest::prelude::*;
 use std::ops::ControlFlow;
 
 fn forms() -> impl Strategy<Value = Form> {
-    let flags = (any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>());
+    let flags = (prop::sample::select(&Shrinkage::ALL[..]), any::<bool>(), any::<bool>(), any::<bool>());
     (prop::sample::select(vec![8, 12, 16]), 2usize..=10, flags).prop_map(
-        |(window, layers, (one_sided, difference, linear_path, tied))| Form {
+        |(window, layers, (shrinkage, difference, linear_path, tied))| Form {
             window: Window::new(window).unwrap(),
             codes: 40,
             layers,
-            shrinkage: if one_sided { Shrinkage::OneSided } else { Shrinkage::TwoSided },
+            shrinkage,
             recurrence: if difference { Recurrence::Difference } else { Recurrence::Direct },
             linear_path,
             tied,
@@ -63,7 +63,7 @@ fn network(form: Form, seed: u64) -> Network {
         let mean = row.sum() / pixels as f32;
         row.mapv_inplace(|w| (if i < 4 { 1.0 + 0.5 * w } else { w - mean }) * sizes[i] / pixels as f32);
     }
-    let positive = form.shrinkage == Shrinkage::TwoSided;
+    let positive = !form.shrinkage.allows_negative();
     let thresholds = (0..form.shrinkages())
         .map(|_| {
             Array1::from_shape_fn(form.codes, |i| {

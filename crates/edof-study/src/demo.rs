@@ -8,9 +8,9 @@ use crate::pictures::{self, Names, Part, Picture, Truth};
 use crate::report::picture::{caption, sheet, stacked};
 use edof_core::camera::Camera;
 use edof_core::{ColourFrame, Noise, RawFrame, ReconstructError, Reconstructor, Tone};
+use edof_optics::Scene;
+use edof_optics::Sensor;
 use edof_optics::capture::{Approximation, CaptureError, capture};
-use edof_optics::scene::Scene;
-use edof_optics::sensor::Sensor;
 use serde::Serialize;
 use std::ops::ControlFlow;
 
@@ -183,8 +183,8 @@ pub(crate) mod tests {
             assert_eq!(p.psi_db.iter().map(|d| d[0]).collect::<Vec<_>>(), [0.0, 3.0, 5.0, 8.0]);
             let (low, high) =
                 p.psi_db.iter().fold((f64::MAX, f64::MIN), |(l, h), d| (l.min(d[1]), h.max(d[1])));
-            assert!(low <= p.picture.psnr_db && p.picture.psnr_db <= high, "{p:?}");
-            assert_ne!(p.picture.psnr_db, p.light.psnr_db);
+            assert!(low <= p.picture.psnr_db() && p.picture.psnr_db() <= high, "{p:?}");
+            assert_ne!(p.picture.psnr_db(), p.light.psnr_db());
         }
     }
 

@@ -1,7 +1,8 @@
 //! The demo's report: the verdict first, where we lose in words, then pictures, enlarged parts of each depth, and numbers.
 
 use crate::demo::{Demo, DemoError};
-use crate::metrics::BORDER;
+use crate::metrics::quality::{cell, columns};
+use crate::metrics::{BORDER, Quality};
 use crate::pictures::{self, Part, Picture, capitalised};
 use crate::report::picture::{jpeg, png};
 use crate::report::{Figure, Layout, Report};
@@ -92,7 +93,11 @@ pub(crate) fn figure_of_scene(note: &str, picture: Vec<u8>) -> Figure {
 /// A whole picture.
 pub(crate) fn figure(of: &Picture, picture: Vec<u8>) -> Figure {
     let Picture { picture: quality, camera, method, .. } = of;
-    let note = format!("{:.2} dB, SSIM {:.3}; camera {camera}, {method}", quality.psnr_db, quality.ssim);
+    let means = Quality::means(&[*quality]);
+    let metrics = columns([&means].into_iter());
+    let metrics = metrics.iter().map(|metric| format!(", {} {}", metric.title, cell(&means, metric)));
+    let note =
+        format!("{:.2} dB{}; camera {camera}, {method}", quality.psnr_db(), metrics.collect::<String>());
     Figure { title: of.name(), note, picture }
 }
 
@@ -113,6 +118,7 @@ mod tests {
         assert_eq!(html.matches("<figure>").count(), 3 + 4 * 3);
         assert!(html.contains("<span>edof demo</span> <span>--scene chart") && html.contains("ring-outer"));
         assert!(html.find("class=\"verdict\"") < html.find("<h2>"));
-        assert_eq!(html.matches("class=\"n best\"").count(), 7, "one cell of each column");
+        let columns = crate::pictures::table(&demo.pictures).header.len() - 2;
+        assert_eq!(html.matches("class=\"n best\"").count(), columns, "one cell of each but name and time");
     }
 }

@@ -25,9 +25,11 @@ pub struct Folding {
     /// Frames per second at the planned clock.
     pub frames_per_second: f64,
     /// Multipliers.
-    pub dsp48e1: usize,
-    /// Block RAMs of 36 kbit; halves count half.
-    pub ramb36: f64,
+    #[serde(rename = "dsp48e1")]
+    pub multipliers: usize,
+    /// Block memories; halves count half.
+    #[serde(rename = "ramb36")]
+    pub memories: f64,
     /// Whether no other folding of any network is as good in dB, cycles, multipliers and block RAM and better in one.
     pub on_front: bool,
 }
@@ -45,6 +47,9 @@ pub struct Foldings {
     pub required_frames_per_second: f64,
     /// Device that all of them fit.
     pub device: String,
+    /// What its multipliers and block memories are called.
+    #[serde(skip)]
+    pub cells: [&'static str; 2],
     /// What they were measured on.
     pub pictures: String,
 }
@@ -72,7 +77,7 @@ impl Foldings {
         report.verdict(&self.verdict()).paragraph(&self.explanation()).made_by(command);
         report.plots(&[
             self.plot("cycles per patch", |f| f.cycles_per_patch),
-            self.plot("multipliers (DSP48E1)", |f| f.dsp48e1 as f64),
+            self.plot(&self.multipliers(), |f| f.multipliers as f64),
             self.plot("frames per second", |f| f.frames_per_second),
             self.trade(),
         ]);
@@ -89,14 +94,19 @@ impl Foldings {
         let better = |a: &&Folding, b: &&Folding| {
             a.psnr_db
                 .total_cmp(&b.psnr_db)
-                .then(b.dsp48e1.cmp(&a.dsp48e1))
-                .then(b.ramb36.total_cmp(&a.ramb36))
+                .then(b.multipliers.cmp(&a.multipliers))
+                .then(b.memories.total_cmp(&a.memories))
         };
         let best = fast.clone().max_by(better);
         let one = |f: &Folding| {
             format!(
-                "{} (camera {}), has {:.2} dB at {:.1} frames per second with {} multipliers (DSP48E1)",
-                f.network, f.camera, f.psnr_db, f.frames_per_second, f.dsp48e1
+                "{} (camera {}), has {:.2} dB at {:.1} frames per second with {} {}",
+                f.network,
+                f.camera,
+                f.psnr_db,
+                f.frames_per_second,
+                f.multipliers,
+                self.multipliers()
             )
         };
         let clock = format!("at the planned {} MHz", self.clock_mhz);
@@ -122,7 +132,7 @@ impl Foldings {
                     || format!("{name} reaches {fastest:.1} frames per second at most"),
                     |f| {
                         let less = best.psnr_db - f.psnr_db;
-                        format!("{name} has {less:.2} dB less, with {} multipliers", f.dsp48e1)
+                        format!("{name} has {less:.2} dB less, with {} multipliers", f.multipliers)
                     },
                 ))
             })
@@ -152,8 +162,8 @@ impl Foldings {
             "cycles per patch",
             "worst picture",
             "frames per second",
-            "DSP48E1",
-            "RAMB36E1",
+            self.cells[0],
+            self.cells[1],
             "lanes×rows",
         ];
         let row = |f: &Folding| {
@@ -164,13 +174,17 @@ impl Foldings {
                 format!("{:.1}", f.cycles_per_patch),
                 format!("{:.1}", f.worst_picture_cycles_per_patch),
                 format!("{:.1}", f.frames_per_second),
-                f.dsp48e1.to_string(),
-                format!("{:.1}", f.ramb36),
+                f.multipliers.to_string(),
+                format!("{:.1}", f.memories),
                 f.stages.clone(),
             ]
         };
         let rows = self.foldings.iter().filter(|f| f.on_front).map(row).collect();
         Table { header: header.map(str::to_owned).to_vec(), rows }
+    }
+
+    fn multipliers(&self) -> String {
+        format!("multipliers ({})", self.cells[0])
     }
 
     fn networks(&self) -> Vec<&str> {
@@ -206,12 +220,12 @@ impl Foldings {
     fn trade(&self) -> Plot {
         let series = |name: &&str| {
             let own = self.foldings.iter().filter(|f| f.network == **name);
-            let points = own.map(|f| [f.dsp48e1 as f64, f.frames_per_second]).collect::<Vec<_>>();
+            let points = own.map(|f| [f.multipliers as f64, f.frames_per_second]).collect::<Vec<_>>();
             Series::new(*name, Mark::LineAndPoints, points)
         };
         Plot {
             title: "Frames per second against multipliers".into(),
-            x: Axis::log("multipliers (DSP48E1)"),
+            x: Axis::log(self.multipliers()),
             y: Axis::linear(format!("frames per second at {} MHz", self.clock_mhz)).from(0.0),
             size: SMALL,
             series: self.networks().iter().map(series).collect(),
@@ -232,8 +246,8 @@ mod tests {
             cycles_per_patch: cycles,
             worst_picture_cycles_per_patch: cycles + 1.0,
             frames_per_second: 6000.0 / cycles,
-            dsp48e1: dsps,
-            ramb36: 10.5,
+            multipliers: dsps,
+            memories: 10.5,
             on_front,
         }
     }
@@ -245,6 +259,7 @@ mod tests {
             clock_mhz: 200.0,
             required_frames_per_second: 60.0,
             device: "xc7k325t".into(),
+            cells: ["DSP48E1", "RAMB36E1"],
             pictures: "a picture".into(),
         }
     }

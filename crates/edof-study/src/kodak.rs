@@ -182,6 +182,7 @@ impl Experiment for Kodak<'_> {
                         weights: spec.weights().map(str::to_owned),
                         photo: hashes[photo].clone(),
                         camera: Some(camera_sha256.clone()),
+                        ..Proof::default()
                     };
                     let cell = Cell { setup, psi, photo, noise, method, place: first + method };
                     cells.push((Key { subject, proof }, cell));

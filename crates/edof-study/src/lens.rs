@@ -5,9 +5,9 @@ use crate::report::plot::{Axis, Mark, Plot, Series, USUAL, sequential};
 use edof_core::camera::Camera;
 use edof_core::{Channel, ColourFrame, Tone};
 use edof_optics::bank;
-use edof_optics::depth::distance_m;
-use edof_optics::mtf::{Footprint, green_cutoff_per_mm, otf, through_focus};
+use edof_optics::distance_m;
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
+use edof_optics::{Footprint, green_cutoff_per_mm, otf, through_focus};
 use ndarray::Array2;
 
 /// Points of a curve.
@@ -27,7 +27,7 @@ const SCALE: usize = 5;
 #[must_use]
 pub fn without_mask(camera: &Camera) -> Camera {
     let name = format!("{} without mask", camera.name);
-    Camera { name, rings: vec![], profile: None, height_map: None, psf_bank: None, ..camera.clone() }
+    Camera { name, ..camera.without_mask() }
 }
 
 /// Figure 1(a): green's response over spatial frequency, as a share of the cut-off, at each ψ; negative where contrast is
@@ -70,8 +70,7 @@ pub fn contrast_plot(camera: &Camera) -> Result<Plot, NoPsf> {
         Ok(CHANNELS.into_iter().enumerate().map(curve).collect())
     };
     let mut series = curves(camera, Mark::Line, "")?;
-    let smooth = camera.profile.is_some() || camera.height_map.is_some();
-    if !camera.rings.is_empty() || smooth || camera.psf_bank.is_some() {
+    if !camera.is_clear() || camera.psf_bank.is_some() {
         series.extend(curves(&without_mask(camera), Mark::Dotted, ", no mask")?);
     }
     Ok(Plot {

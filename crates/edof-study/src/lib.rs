@@ -8,6 +8,7 @@
 //! | | [`stability`] | hard cases and their acceptance limits |
 //! | shared | [`experiment`] | what all experiments share: missing rows, shards, progress, an end before the end |
 //! | | [`journal`] | rows in a file, shared out among machines, put together again |
+//! | | [`key`] | the text that keys of rows are hashes of |
 //! | | [`study_report`] | what a file of rows says, whatever study it is of |
 //! | | [`made`] | what a page states of its making |
 //! | input | [`setup`] | cameras and the methods behind each |
@@ -18,6 +19,7 @@
 //! | | [`knobs`] | what can be left out: a curve for each knob |
 //! | | [`known_blurs`] | blind deconvolution of synthetic blurs |
 //! | | [`aperture`] | a coded lens against smaller apertures of its clear lens, in equal light |
+//! | | [`bound`] | what no lens passes, and how near to it a lens comes |
 //! | | [`tolerances`] | errors of a lens that cost 0.1 dB |
 //! | | [`design`] | foldings of networks that fit the board, and their front |
 //! | | [`demo`] | one scene at four depths through several lenses |
@@ -28,12 +30,16 @@
 //! | | [`pictures`] | pictures of a scene of several depths, judged depth by depth |
 //! | | [`demo_report`] | the demo's verdict and its report |
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 pub mod aperture;
+pub mod bound;
 pub mod demo;
 pub mod demo_report;
 pub mod design;
 pub mod experiment;
 pub mod journal;
+pub mod key;
 pub mod knobs;
 pub mod known_blurs;
 pub mod kodak;

@@ -1,9 +1,10 @@
 //! What lenses and methods made of one scene of several depths: how near each picture comes to the scene, in a table and in words.
 
-use crate::metrics::{BORDER, MetricError, Quality, decibel, luma, shown};
+use crate::metrics::quality::{Means, columns};
+use crate::metrics::{BORDER, Better, METRICS, Metric, MetricError, Quality, decibel, luma, shown};
 use crate::report::Table;
 use edof_core::{ColourFrame, Tone};
-use edof_optics::scene::Scene;
+use edof_optics::Scene;
 use ndarray::{Array2, ArrayView2, s};
 use serde::{Deserialize, Serialize};
 
@@ -115,8 +116,8 @@ impl Truth {
             camera: names.camera.to_owned(),
             treatment: names.treatment.to_owned(),
             method: names.method.to_owned(),
-            picture: Quality::of(&self.shown, &picture, BORDER)?,
-            light: Quality::of(&self.light, frame, BORDER)?,
+            picture: Quality::of(&self.shown, &picture, BORDER, self.tone)?,
+            light: Quality::of(&self.light, frame, BORDER, Tone::light())?,
             psi_db: psnr_by_depth(&self.shown, &picture, &self.depths),
             seconds,
         })
@@ -199,32 +200,43 @@ fn change(part: ArrayView2<'_, f32>) -> f64 {
     part.rows().into_iter().flat_map(|row| row.windows(2).into_iter().map(step).collect::<Vec<_>>()).sum()
 }
 
-/// PSNRs, SSIM and seconds of all pictures.
+/// PSNRs, further metrics and seconds of all pictures.
 #[must_use]
 pub fn table(pictures: &[Picture]) -> Table {
+    let means: Vec<Means> = pictures.iter().map(|p| Quality::means(&[p.picture])).collect();
+    let metrics = columns(means.iter());
     let psis = pictures.first().map(|p| p.psi_db.as_slice()).unwrap_or_default();
     let mut header = vec!["PSNR in dB".to_owned(), "all".into()];
     header.extend(psis.iter().map(|[psi, _]| format!("ψ = {psi:.1}")));
-    header.extend(["SSIM".to_owned(), "light".into(), "seconds".into()]);
+    header.extend(metrics.iter().map(|metric| metric.heading()));
+    header.extend(["light".to_owned(), "seconds".into()]);
+    // A picture's own number has a digit more than a mean.
+    let digits = |value: Option<f64>, metric: &Metric| {
+        value.map_or_else(|| "–".to_owned(), |v| format!("{v:.*}", metric.decimals + 1))
+    };
     let row = |p: &Picture| {
-        let mut cells = vec![p.name(), format!("{:.2}", p.picture.psnr_db)];
+        let mut cells = vec![p.name(), format!("{:.2}", p.picture.psnr_db())];
         cells.extend(p.psi_db.iter().map(|d| format!("{:.2}", d[1])));
-        cells.extend([
-            format!("{:.4}", p.picture.ssim),
-            format!("{:.2}", p.light.psnr_db),
-            format!("{:.3}", p.seconds),
-        ]);
+        cells.extend(metrics.iter().map(|metric| digits(p.picture.number(metric.name), metric)));
+        cells.extend([format!("{:.2}", p.light.psnr_db()), format!("{:.3}", p.seconds)]);
         cells
     };
     Table { header, rows: pictures.iter().map(row).collect() }
 }
 
-/// Row and column of the largest number of each of the table's columns but the last, which is time.
+/// Row and column of the best number of each of the table's columns but the last, which is time.
 #[must_use]
 pub fn best(pictures: &[Picture]) -> Vec<(usize, usize)> {
     let table = table(pictures);
-    let number =
-        |row: usize, column: usize| table.rows[row][column].parse::<f64>().unwrap_or(f64::NEG_INFINITY);
+    let is_lower_better = |column: usize| {
+        METRICS
+            .iter()
+            .any(|metric| metric.better == Better::Lower && metric.heading() == table.header[column])
+    };
+    let number = |row: usize, column: usize| {
+        let sign = if is_lower_better(column) { -1.0 } else { 1.0 };
+        table.rows[row][column].parse::<f64>().map_or(f64::NEG_INFINITY, |number| sign * number)
+    };
     let column = |c: usize| {
         let row = (0..table.rows.len()).max_by(|&a, &b| number(a, c).total_cmp(&number(b, c)))?;
         Some((row, c))
@@ -239,7 +251,7 @@ const TIE_DB: f64 = 0.05;
 #[must_use]
 pub fn verdict(pictures: &[Picture]) -> String {
     let Some((ours, others)) = pictures.split_last() else { return String::new() };
-    let better = |a: &&Picture, b: &&Picture| a.picture.psnr_db.total_cmp(&b.picture.psnr_db);
+    let better = |a: &&Picture, b: &&Picture| a.picture.psnr_db().total_cmp(&b.picture.psnr_db());
     // Another format of the same network is no rival.
     let others: Vec<&Picture> = others.iter().filter(|other| !ours.is_of_the_network_of(other)).collect();
     let Some(&rival) = others.iter().max_by(|a, b| better(a, b)) else { return String::new() };
@@ -257,7 +269,7 @@ pub fn verdict(pictures: &[Picture]) -> String {
         [] => "At no depth is any of the others better.".to_owned(),
         _ => format!("{} loses {}.", capitalised(&ours.name()), losses.join(", and ")),
     };
-    let by = ours.picture.psnr_db - rival.picture.psnr_db;
+    let by = ours.picture.psnr_db() - rival.picture.psnr_db();
     format!(
         "{} is {:.1} dB {} over the whole picture than the best of the others, {}: {:.1} against {:.1} dB. At its worst depth it has \
          {our_worst:.1} dB (ψ = {our_psi:.1}), the other {its_worst:.1} (ψ = {its_psi:.1}). {losses}",
@@ -265,8 +277,8 @@ pub fn verdict(pictures: &[Picture]) -> String {
         by.abs(),
         if by < 0.0 { "worse" } else { "better" },
         rival.name(),
-        ours.picture.psnr_db,
-        rival.picture.psnr_db,
+        ours.picture.psnr_db(),
+        rival.picture.psnr_db(),
     )
 }
 
@@ -302,7 +314,7 @@ mod tests {
         let mut pictures = demo().pictures;
         for (picture, db) in pictures.iter_mut().zip([30.0, 31.0]) {
             picture.psi_db.iter_mut().for_each(|d| d[1] = db);
-            picture.picture.psnr_db = db;
+            picture.picture = picture.picture.with("psnr_db", db);
         }
         assert!(verdict(&pictures).contains("At no depth"), "{}", verdict(&pictures));
         pictures[0].psi_db[1][1] = 32.5;

@@ -200,6 +200,7 @@ impl Experiment for SingleDepth<'_> {
                         weights: spec.weights().map(str::to_owned),
                         photo: photo_sha256.clone(),
                         camera: Some(camera_sha256.clone()),
+                        ..Proof::default()
                     };
                     cells.push((Key { subject, proof }, Cell { psi, photo, noise, method }));
                 }

@@ -7,6 +7,7 @@ pub use claims::Claim;
 
 use crate::made::Made;
 use crate::methods::method::{Family, Format, Method};
+use crate::metrics::quality::{Means, Quality, cell, columns};
 use crate::report::plot::{Axis, Mark, PALETTE, Plot, Series, Shape, stacked};
 use crate::report::{Report, Table};
 use crate::single_depth::Row;
@@ -42,8 +43,9 @@ pub struct Point {
     pub psnr_db: f64,
     /// The same of each photograph.
     pub photo_psnr_db: BTreeMap<String, f64>,
-    /// Mean SSIM.
-    pub ssim: f64,
+    /// Means of the metrics that tables show.
+    #[serde(flatten)]
+    pub means: Means,
     /// Mean wall-clock seconds per megapixel.
     pub seconds_per_megapixel: f64,
     /// Mean seconds per megapixel that all threads together were on a processor, where all rows tell it.
@@ -307,12 +309,12 @@ impl Point {
             noise: like.measured.noise,
             tone: like.measured.tone,
             photos: own.len(),
-            psnr_db: mean(&|r| r.measured.picture.psnr_db),
+            psnr_db: mean(&|r| r.measured.picture.psnr_db()),
             photo_psnr_db: own
                 .iter()
-                .map(|r| (r.measured.image.clone(), r.measured.picture.psnr_db))
+                .map(|r| (r.measured.image.clone(), r.measured.picture.psnr_db()))
                 .collect(),
-            ssim: mean(&|r| r.measured.picture.ssim),
+            means: Quality::means(&own.iter().map(|r| r.measured.picture).collect::<Vec<_>>()),
             seconds_per_megapixel: mean(&|r| r.measured.seconds_per_megapixel),
             cpu_seconds_per_megapixel: Some(mean(&|r| r.cpu_seconds_per_megapixel.unwrap_or(f64::NAN)))
                 .filter(|seconds| seconds.is_finite()),
@@ -339,27 +341,30 @@ fn name(method: &Method) -> String {
 }
 
 fn averages<'a>(points: impl Iterator<Item = &'a Point>) -> Table {
-    let header = [
-        "method",
-        "PSNR dB",
-        "SSIM",
-        "seconds per megapixel",
-        "CPU seconds per megapixel",
-        "seconds to prepare",
-        "steps",
-        "memory, MiB",
-        "non-zeros per patch",
-        "photos",
-    ];
-    let row = |p: &Point| {
+    let points: Vec<&Point> = points.collect();
+    let metrics = columns(points.iter().map(|p| &p.means));
+    let mut header: Vec<String> = ["method", "PSNR dB"].map(str::to_owned).to_vec();
+    header.extend(metrics.iter().map(|metric| metric.heading()));
+    header.extend(
+        [
+            "seconds per megapixel",
+            "CPU seconds per megapixel",
+            "seconds to prepare",
+            "steps",
+            "memory, MiB",
+            "non-zeros per patch",
+            "photos",
+        ]
+        .map(str::to_owned),
+    );
+    let row = |p: &&Point| {
         let nonzeros = p
             .nonzeros_a_patch
             .as_ref()
             .map(|n| n.iter().map(|n| format!("{n:.1}")).collect::<Vec<_>>().join(" / "));
-        vec![
-            p.method.clone(),
-            format!("{:.2}", p.psnr_db),
-            format!("{:.3}", p.ssim),
+        let mut cells = vec![p.method.clone(), format!("{:.2}", p.psnr_db)];
+        cells.extend(metrics.iter().map(|metric| cell(&p.means, metric)));
+        cells.extend([
             format!("{:.3}", p.seconds_per_megapixel),
             or_dash(p.cpu_seconds_per_megapixel.map(|seconds| format!("{seconds:.3}"))),
             format!("{:.3}", p.prepare_seconds),
@@ -367,9 +372,10 @@ fn averages<'a>(points: impl Iterator<Item = &'a Point>) -> Table {
             or_dash(p.peak_memory_bytes.map(|bytes| (bytes >> 20).to_string())),
             or_dash(nonzeros),
             p.photos.to_string(),
-        ]
+        ]);
+        cells
     };
-    Table { header: header.map(str::to_owned).to_vec(), rows: points.map(row).collect() }
+    Table { header, rows: points.iter().map(row).collect() }
 }
 
 fn or_dash(text: Option<String>) -> String {

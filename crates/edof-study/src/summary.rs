@@ -1,15 +1,16 @@
 //! What an experiment's rows say together: averages, worst depths, what fixed point and 4:2:2 cost.
 
 use crate::methods::method::{Format, Method};
+use crate::metrics::BORDER;
 use crate::metrics::paired::Paired;
-use crate::metrics::{BORDER, Quality};
+use crate::metrics::quality::{Means, Quality};
 use crate::trial::{Measured, Work};
 use edof_core::{Noise, Tone};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// The whole result of an experiment, as its JSON file holds it.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Study {
     /// How its quality is measured.
     pub measure: Measure,
@@ -38,7 +39,7 @@ pub struct Crop {
 }
 
 /// How quality is measured (docs/decisions/0003-metrics.md, 0010-tone-and-noise.md).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Measure {
     /// Linear: photographs' numbers are light, the network's values are not clipped. Srgb: they are decoded to light, and the picture is encoded
     /// and clipped to 0…1 before it is compared.
@@ -50,21 +51,20 @@ pub struct Measure {
 }
 
 /// Averages over photographs and depths.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Summary {
     /// One for each method, camera and noise level, in the rows' order.
     pub methods: Vec<MethodSummary>,
     /// One for each network, camera and noise level.
     pub nets: Vec<NetSummary>,
     /// One for each two float networks and noise level.
-    #[serde(skip_deserializing)]
     pub differences: Vec<Difference>,
     /// What was left out or looks wrong, one line each.
     pub notes: Vec<String>,
 }
 
 /// One method behind one camera at one noise level.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MethodSummary {
     /// Short name of the method.
     pub method: String,
@@ -103,7 +103,7 @@ pub struct Difference {
 }
 
 /// Quality over depths, averaged over photographs.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DepthCurve {
     /// Mean PSNR at each depth: pairs of ψ and dB, ψ ascending.
     pub psi_db: Vec<[f64; 2]>,
@@ -113,12 +113,13 @@ pub struct DepthCurve {
     pub worst_db: f64,
     /// Which depth that is.
     pub worst_psi: f64,
-    /// Mean SSIM.
-    pub ssim: f64,
+    /// Means of the metrics that tables show.
+    #[serde(flatten)]
+    pub means: Means,
 }
 
 /// What fixed point and 4:2:2 cost a network, measured on the picture.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NetSummary {
     /// The network in floating point.
     #[serde(flatten)]
@@ -136,7 +137,7 @@ pub struct NetSummary {
 }
 
 /// What fixed point costs a network, and what it counted.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FixedCost {
     /// Mean of float422 − fixed.
     pub mean_loss_db: f64,
@@ -194,14 +195,14 @@ impl DepthCurve {
     fn of(rows: &[&Measured], quality: impl Fn(&Measured) -> Quality) -> Self {
         let psi_db: Vec<[f64; 2]> = ascending(rows.iter().map(|r| r.psi))
             .into_iter()
-            .map(|psi| [psi, mean(rows.iter().filter(|r| r.psi == psi).map(|r| quality(r).psnr_db))])
+            .map(|psi| [psi, mean(rows.iter().filter(|r| r.psi == psi).map(|r| quality(r).psnr_db()))])
             .collect();
         let worst = psi_db.iter().copied().min_by(|a, b| a[1].total_cmp(&b[1])).unwrap_or([f64::NAN; 2]);
         Self {
             average_db: mean(psi_db.iter().map(|p| p[1])),
             worst_db: worst[1],
             worst_psi: worst[0],
-            ssim: mean(rows.iter().map(|r| quality(r).ssim)),
+            means: Quality::means(&rows.iter().map(|r| quality(r)).collect::<Vec<_>>()),
             psi_db,
         }
     }
@@ -287,7 +288,7 @@ pub(crate) fn by_photo(
     };
     let mut all: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     for row in rows.iter().filter(own) {
-        all.entry(row.image.clone()).or_default().push(row.picture.psnr_db);
+        all.entry(row.image.clone()).or_default().push(row.picture.psnr_db());
     }
     all.into_iter().map(|(photo, db)| (photo, mean(db.into_iter()))).collect()
 }
@@ -334,7 +335,7 @@ fn nets(rows: &[Measured]) -> Vec<NetSummary> {
                 continue;
             }
             let cost: Vec<f64> =
-                twins.iter().map(|(f, g, _)| f.picture.psnr_db - g.picture.psnr_db).collect();
+                twins.iter().map(|(f, g, _)| f.picture.psnr_db() - g.picture.psnr_db()).collect();
             summaries.push(NetSummary {
                 float: float.clone(),
                 camera: camera.clone(),
@@ -352,7 +353,9 @@ impl FixedCost {
     fn of(twins: &[(&Measured, &Measured, Option<&Measured>)]) -> Option<Self> {
         let losses: Vec<(f64, &Measured)> = twins
             .iter()
-            .filter_map(|(_, rounded, fixed)| fixed.map(|x| (rounded.picture.psnr_db - x.picture.psnr_db, x)))
+            .filter_map(|(_, rounded, fixed)| {
+                fixed.map(|x| (rounded.picture.psnr_db() - x.picture.psnr_db(), x))
+            })
             .collect();
         let (largest_loss_db, row) = losses.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
         let rows: Vec<&Measured> = losses.iter().map(|l| l.1).collect();

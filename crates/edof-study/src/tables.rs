@@ -3,6 +3,8 @@
 use crate::kodak::Row;
 use crate::made::Made;
 use crate::methods::method::{Family, Format, Method};
+use crate::metrics::metric::Place;
+use crate::metrics::quality::{cell, columns};
 use crate::report::picture::Encoded;
 use crate::report::plot::{Axis, Mark, PALETTE, Plot, SMALL, Series};
 use crate::report::{Figure, Layout, Report, Table, csv};
@@ -95,7 +97,8 @@ fn crops(row: &Row) -> Vec<Crop> {
     };
     let photograph = row.photograph_crop.as_ref().map(|part| crop(None, "photograph".into(), None, part));
     let own = row.crop.as_ref().filter(|_| identity.format != Some(Format::Float422));
-    let own = own.map(|part| crop(Some(*noise), format!("{method}, {camera}"), Some(picture.psnr_db), part));
+    let own =
+        own.map(|part| crop(Some(*noise), format!("{method}, {camera}"), Some(picture.psnr_db()), part));
     photograph.into_iter().chain(own).collect()
 }
 
@@ -134,6 +137,10 @@ impl Study {
                 ("Light, not clipped".to_owned(), quality(|m| &m.light)),
             ],
         };
+        let further = self.summary.further(|m| &m.picture);
+        tables.extend(
+            further.map(|table| ("Further metrics of the picture, means over all".to_owned(), table)),
+        );
         if !self.summary.differences.is_empty() {
             let title =
                 "Differences of networks in dB of the picture, paired by photograph, with standard errors";
@@ -191,8 +198,8 @@ impl Study {
                         && row.identity == **method
                         && row.camera == *camera
                 });
-                let db: Vec<f64> = own.clone().map(|row| row.picture.psnr_db).collect();
-                let at_far = own.filter(|row| row.psi == far).map(|row| row.picture.psnr_db);
+                let db: Vec<f64> = own.clone().map(|row| row.picture.psnr_db()).collect();
+                let at_far = own.filter(|row| row.psi == far).map(|row| row.picture.psnr_db());
                 if db.is_empty() {
                     return "–".to_owned();
                 }
@@ -292,24 +299,50 @@ fn places(kinds: &[Kind<'_>]) -> Vec<usize> {
 }
 
 impl Summary {
-    /// One line for each method and camera, two columns for each noise level. `float422` is left out: it lies on the fixed line.
+    /// PSNR and the metrics of every table.
     fn quality(&self, course: impl Fn(&MethodSummary) -> &DepthCurve) -> Table {
+        let metrics = columns(std::iter::empty());
+        let titles = || metrics.iter().map(|metric| metric.heading());
+        let psnr = |course: &DepthCurve| {
+            let farthest = course.farthest()[1];
+            format!("{farthest:.2} / {:.2} / {:.2}", course.worst_db, course.average_db)
+        };
+        let cells = |course: &DepthCurve| {
+            let means = metrics.iter().map(|metric| cell(&course.means, metric));
+            std::iter::once(psnr(course)).chain(means).collect()
+        };
+        self.by_noise(course, |noise| std::iter::once(noise_words(noise)).chain(titles()).collect(), cells)
+    }
+
+    /// Means of the metrics that newer rows hold besides; nothing if these hold none.
+    fn further(&self, course: impl Fn(&MethodSummary) -> &DepthCurve) -> Option<Table> {
+        let mut metrics = columns(self.methods.iter().map(|m| &course(m).means));
+        metrics.retain(|metric| metric.place == Place::Further);
+        let titles = |noise: Noise| {
+            metrics.iter().map(|metric| format!("{}, {}", metric.heading(), noise_words(noise))).collect()
+        };
+        let cells = |course: &DepthCurve| metrics.iter().map(|metric| cell(&course.means, metric)).collect();
+        (!metrics.is_empty()).then(|| self.by_noise(course, titles, cells))
+    }
+
+    /// One line for each method and camera, a group of columns for each noise level. `float422` is left out: it lies on the fixed line.
+    fn by_noise(
+        &self,
+        course: impl Fn(&MethodSummary) -> &DepthCurve,
+        titles: impl Fn(Noise) -> Vec<String>,
+        cells: impl Fn(&DepthCurve) -> Vec<String>,
+    ) -> Table {
         let noises = self.noises();
         let mut header = vec!["method".to_owned(), "camera".into()];
-        header.extend(noises.iter().flat_map(|&noise| [noise_words(noise), "SSIM".to_owned()]));
+        header.extend(noises.iter().flat_map(|&noise| titles(noise)));
         let shown = self.subjects().into_iter().filter(|s| s.0.format != Some(Format::Float422));
         let rows = shown.map(|subject| {
-            let mut cells = vec![subject.0.to_string(), subject.1.to_owned()];
-            for &noise in &noises {
-                let Some(course) = self.find(subject, noise).map(&course) else {
-                    cells.extend(["–".to_owned(), "–".to_owned()]);
-                    continue;
-                };
-                let farthest = course.farthest()[1];
-                cells.push(format!("{farthest:.2} / {:.2} / {:.2}", course.worst_db, course.average_db));
-                cells.push(format!("{:.3}", course.ssim));
-            }
-            cells
+            let own = |&noise: &Noise| match self.find(subject, noise) {
+                Some(summary) => cells(course(summary)),
+                None => vec!["–".to_owned(); titles(noise).len()],
+            };
+            let names = [subject.0.to_string(), subject.1.to_owned()];
+            names.into_iter().chain(noises.iter().flat_map(own)).collect()
         });
         Table { header, rows: rows.collect() }
     }

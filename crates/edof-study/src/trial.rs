@@ -2,16 +2,16 @@
 
 use crate::methods::method::Method;
 use crate::methods::spec::PrepareError;
-use crate::metrics::{BORDER, MetricError, Quality, luma, shown};
+use crate::metrics::{BORDER, MetricError, Quality, luma, psnr, shown};
 use crate::pictures::busiest_part;
 use crate::report::picture::{Encoded, jpeg};
 use edof_core::camera::Camera;
 use edof_core::reconstructor::Multiplications;
 use edof_core::{ColourFrame, Noise, RawFrame, ReconstructError, Reconstruction, Tone};
 use edof_io::photos::Photo;
-use edof_optics::blur::blur_frame;
+use edof_optics::blur_frame;
 use edof_optics::psf::{NoPsf, Psf};
-use edof_optics::sensor::{Sensor, SensorError, expose};
+use edof_optics::{Sensor, SensorError, expose};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -137,14 +137,14 @@ impl<'a> Trial<'a> {
         result: &Reconstruction,
     ) -> Result<Measured, TrialError> {
         let tone = self.tone;
-        let compared = |truth: &ColourFrame, estimate: &ColourFrame| {
-            Quality::of(truth, estimate, BORDER)
+        let compared = |truth: &ColourFrame, estimate: &ColourFrame, tone: Tone| {
+            Quality::of(truth, estimate, BORDER, tone)
                 .map_err(|source| TrialError::Metric { image: self.image(), source })
         };
-        let light = compared(&self.light, &result.frame)?;
+        let light = compared(&self.light, &result.frame, Tone::light())?;
         let picture = match tone {
             Tone::Linear => light,
-            Tone::Srgb => compared(&self.photo.frame, &shown(&result.frame, tone))?,
+            Tone::Srgb => compared(&self.photo.frame, &shown(&result.frame, tone), tone)?,
         };
         let (height, width) = self.light.size();
         let pixels = (height * width) as f64;
@@ -161,6 +161,15 @@ impl<'a> Trial<'a> {
             seconds_per_megapixel: result.seconds / (pixels * 1e-6),
             work: Work::of(result, pixels),
         })
+    }
+
+    /// Returns PSNR in dB of the picture that a reconstruction shows.
+    ///
+    /// # Errors
+    /// [`TrialError::Metric`].
+    pub fn psnr_db(&self, result: &Reconstruction) -> Result<f64, TrialError> {
+        psnr(&self.photo.frame, &shown(&result.frame, self.tone), BORDER)
+            .map_err(|source| TrialError::Metric { image: self.image(), source })
     }
 
     /// Row and column of the busiest part of the photograph, where it has room for one.

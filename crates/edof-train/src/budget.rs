@@ -6,7 +6,7 @@
 //! the last validation, since training windows (other looks, other exposures) leave other numbers than validation's. The rate
 //! falls with the schedule's, so that what the last steps settle is not pulled away again.
 
-use edof_network::network::{Form, Shrinkage};
+use edof_network::network::Form;
 use serde::{Deserialize, Serialize};
 
 /// A limit for each shrinkage.
@@ -77,13 +77,14 @@ impl Budget {
     /// A rate that settles within some thousand steps.
     pub const RATE: f32 = 2e-3;
 
-    /// The budget of networks for the default board; none for the paper's two-sided form, whose board sends every code.
+    /// Returns the budget of networks for the default board, for the shrinkages that have one
+    /// ([`edof_network::shrinkage::TrainingDefaults`]).
     #[must_use]
     pub fn of_the_board(form: &Form) -> Option<Self> {
         let last = form.shrinkages().checked_sub(1)?;
         let share = |t| if t == last { BOARD[1] } else { BOARD[0] };
         let non_zeros = (0..=last).map(|t| (share(t) * form.codes as f32).max(1.0)).collect();
-        (form.shrinkage == Shrinkage::OneSided).then_some(Self { non_zeros, rate: Self::RATE })
+        form.shrinkage.training().has_budget.then_some(Self { non_zeros, rate: Self::RATE })
     }
 
     /// What a validated network's non-zeros over the budget cost it when the best is chosen: 0.02 dB a percent.

@@ -103,7 +103,7 @@ pub fn load(path: &Path, run: &Run) -> Result<State, CheckpointError> {
         .as_ref()
         .and_then(|m| m.get(METADATA_KEY))
         .ok_or_else(|| foreign(format!("its metadata has no entry '{METADATA_KEY}'")))?;
-    let metadata: Metadata = serde_json::from_str(text).map_err(|e| foreign(json::words(&e)))?;
+    let metadata: Metadata = json::parse(text).map_err(|e| foreign(e.to_string()))?;
     same_run(path, &metadata.run, run)?;
     let tensors = SafeTensors::deserialize(&file).map_err(|e| foreign(e.to_string()))?;
     let tensor = |name: &str| -> Result<Vec<f32>, CheckpointError> {

@@ -20,7 +20,7 @@ use edof_core::geometry::PATCH;
 use edof_core::{ColourFrame, Noise, Tone, Window};
 use edof_network::float::pass::Examples;
 use edof_numerics::random::Random;
-use edof_optics::blur::Blur;
+use edof_optics::Blur;
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -223,6 +223,12 @@ impl Dataset {
         self.reach
     }
 
+    /// Whether all PSFs are their own transposes, so that the picture of a transposed scene is the transposed picture.
+    #[must_use]
+    pub fn is_transposable(&self) -> bool {
+        self.turns.contains(&TRANSPOSED)
+    }
+
     /// Number of cells: photographs × ψ × noise classes.
     #[must_use]
     pub fn cells(&self) -> usize {
@@ -339,6 +345,9 @@ const fn site(row: usize, column: usize) -> usize {
     CfaPhase::Rggb.channel(row, column).plane()
 }
 
+/// The turn that swaps rows and columns.
+const TRANSPOSED: usize = 4;
+
 /// Those of the eight flips and turns that leave all PSFs as they are; the first changes nothing.
 fn turns(psfs: &[[Psf; 3]]) -> Vec<usize> {
     let all = psfs.iter().flatten().map(Psf::symmetries);
@@ -367,7 +376,7 @@ impl Turn {
         if symmetry & 2 != 0 {
             turn = Self { first: turn.first + last * across, column: -turn.column, ..turn };
         }
-        if symmetry & 4 != 0 {
+        if symmetry & TRANSPOSED != 0 {
             turn = Self { row: turn.column, column: turn.row, ..turn };
         }
         turn

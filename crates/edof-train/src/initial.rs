@@ -5,7 +5,7 @@ use crate::structure::Structure;
 use edof_core::colour::RGB_OUTPUTS;
 use edof_network::float::parameters::Layout;
 use edof_network::float::pass::Pass;
-use edof_network::network::{Form, Shrinkage};
+use edof_network::network::Form;
 use edof_numerics::random::Random;
 use edof_numerics::sparse::dictionary::{Effort, Learned, optimal_directions};
 use edof_numerics::sparse::lasso::step_bound;
@@ -72,7 +72,7 @@ fn whitened(form: &Form, batch: &Batch, random: &mut Random) -> Vec<f32> {
     let analysis = concatenate![Axis(0), colour_means(form, direct), seen.mapv(|w| w as f32)];
     put(&mut weights, &layout.analysis, &analysis);
     for theta in &layout.thresholds {
-        weights[theta.clone()][direct..].fill(first_threshold(form.shrinkage));
+        weights[theta.clone()][direct..].fill(form.shrinkage.training().threshold);
     }
     for s in &layout.recurrent {
         weights[s.clone()].iter_mut().for_each(|w| *w = 0.01 * random.normal() / (codes as f32).sqrt());
@@ -88,15 +88,6 @@ fn colour_means(form: &Form, count: usize) -> Array2<f32> {
         let site = i / side % 2 * 2 + i % side % 2;
         if site == code { 8.0 / pixels as f32 } else { 0.0 }
     })
-}
-
-/// Thresholds that training starts from, in units of a whitened code. One-sided codes that start nearly silent never
-/// learn: from 0.5 a third of them died, at a cost of 0.2 dB. Two-sided ones need some threshold, or all is linear.
-const fn first_threshold(shrinkage: Shrinkage) -> f32 {
-    match shrinkage {
-        Shrinkage::OneSided => 0.0,
-        Shrinkage::TwoSided => 0.3,
-    }
 }
 
 /// D and R by least squares over what the rest of the network makes of the batch.

@@ -8,14 +8,14 @@ use crate::dataset::{Batch, Dataset, DatasetError, DatasetOptions, Place};
 use crate::recipe::{Recipe, RecipeError, value};
 use crate::train::Trainer;
 use edof_core::camera::Camera;
-use edof_core::camera::{Delay, MAX_HEIGHT_UM, Ring, Sign};
+use edof_core::camera::{self, Delay, Ring, Sign};
 use edof_core::colour::RGB_OUTPUTS;
 use edof_core::{ColourFrame, Noise, Tone};
 use edof_network::float::parameters::{Layout, flatten};
 use edof_network::float::pass::{Pass, weighted_errors};
 use edof_network::network::Network;
 use edof_numerics::random::Random;
-use edof_optics::gradient::{GradientError, Parameter, parameters, psf_gradient};
+use edof_optics::gradient::{GradientError, parameters, psf_gradient};
 use edof_optics::psf::{Settings, channel_psfs};
 use ndarray::Array2;
 use rayon::prelude::*;
@@ -155,8 +155,9 @@ impl Joint {
     pub fn begin(&self, camera: &Camera, network: &Network) -> Result<JointState, JointError> {
         self.check()?;
         edof_optics::gradient::check(camera)?;
-        if camera.rings.len() > MAX_RINGS {
-            return Err(JointError::Rings { camera: camera.name.clone(), rings: camera.rings.len() });
+        let rings = camera.mask.rings().count();
+        if rings > MAX_RINGS {
+            return Err(JointError::Rings { camera: camera.name.clone(), rings });
         }
         let camera = in_order(camera);
         if network.form != self.recipe.form {
@@ -310,10 +311,10 @@ impl Joint {
             }
             (state.best, state.best_db) = (state.camera.clone(), Some(judged.score_db));
             let accepted = state.moments.iter_mut().zip(&mut state.direction);
-            for (((moments, step), parameter), gradient) in
-                accepted.zip(parameters(&state.best)).zip(&judged.gradient)
+            for (((moments, step), largest), gradient) in
+                accepted.zip(largest_steps(&state.best)).zip(&judged.gradient)
             {
-                *step = largest_step(parameter) * share(moments, *gradient);
+                *step = largest * share(moments, *gradient);
             }
         } else {
             state.length *= SHORTER;
@@ -324,12 +325,18 @@ impl Joint {
     }
 }
 
-const fn largest_step(parameter: Parameter) -> f64 {
-    match parameter {
-        Parameter::Inner(_) | Parameter::Outer(_) => STEPS[0],
-        Parameter::Phase(_) => STEPS[1],
-        Parameter::Focus => STEPS[2],
-    }
+/// Largest step of each parameter, in their order.
+fn largest_steps(camera: &Camera) -> impl Iterator<Item = f64> {
+    let step = |parameter| match parameter {
+        camera::Parameter::Radius(_) => STEPS[0],
+        camera::Parameter::Phase(_) => STEPS[1],
+    };
+    of_mask(camera).map(step).chain([STEPS[2]])
+}
+
+/// The parameters of the mask's terms, in their order. The focus follows.
+fn of_mask(camera: &Camera) -> impl Iterator<Item = camera::Parameter> {
+    camera.mask.terms().iter().flat_map(|term| term.parameters(camera.reference_wavelength_nm))
 }
 
 /// Takes a gradient into its running means, and returns its mean over its size, −1…1.
@@ -355,54 +362,55 @@ fn noise_of(sigma: f64) -> Noise {
 /// Values of a camera's parameters, in their order.
 #[must_use]
 pub fn values(camera: &Camera) -> Vec<f64> {
-    let phase = |ring: &Ring| ring.delay.phase_rad(camera.reference_wavelength_nm);
-    let rings = camera.rings.iter().flat_map(|ring| [ring.inner, ring.outer, phase(ring)]);
-    rings.chain([camera.focus_psi]).collect()
+    of_mask(camera).map(camera::Parameter::value).chain([camera.focus_psi]).collect()
+}
+
+/// Returns the camera whose parameters have these values.
+#[must_use]
+pub fn with_values(camera: &Camera, mut values: &[f64]) -> Camera {
+    let (mut camera, nm) = (camera.clone(), camera.reference_wavelength_nm);
+    for term in camera.mask.terms_mut() {
+        let (own, others) = values.split_at(term.parameters(nm).len());
+        term.set(own, nm);
+        values = others;
+    }
+    Camera { focus_psi: values[0], ..camera }
 }
 
 /// The same camera, its rings in the order of their radii: phases add, so the order of rings changes no light.
 fn in_order(camera: &Camera) -> Camera {
-    let mut rings = camera.rings.clone();
-    let phase = |ring: &Ring| ring.delay.phase_rad(camera.reference_wavelength_nm);
+    let (mut camera, nm) = (camera.clone(), camera.reference_wavelength_nm);
+    let mut rings: Vec<Ring> = camera.mask.rings().copied().collect();
     rings.sort_by(|a, b| {
         let radii = a.inner.total_cmp(&b.inner).then(a.outer.total_cmp(&b.outer));
-        radii.then(phase(a).total_cmp(&phase(b)))
+        radii.then(a.delay.phase_rad(nm).total_cmp(&b.delay.phase_rad(nm)))
     });
-    Camera { rings, ..camera.clone() }
+    camera.mask.rings_mut().zip(rings).for_each(|(to, ring)| *to = ring);
+    camera
 }
 
 /// The camera of these values: radii apart, phases and focus within their ranges. Rings keep their order, so that each keeps the running
 /// means of its gradients, and their kind of delay.
 fn with(camera: &Camera, values: &[f64], max_phase: f64) -> Camera {
-    let (rings, focus) = values.split_at(3 * camera.rings.len());
-    let mut from = 0.0f64;
-    let mut left = camera.rings.len();
-    let ring = |(value, ring): (&[f64], &Ring)| {
-        let room = 2.0 * NARROWEST * (left - 1) as f64;
-        left -= 1;
-        // Rounding may put the lower bound above the upper one: the ring is then as narrow as it may be.
-        let inner = value[0].min(1.0 - room - NARROWEST).max(from);
-        let outer = value[1].min(1.0 - room).max(inner + NARROWEST).min(1.0);
-        from = outer + NARROWEST;
-        let delay =
-            delayed(ring.delay, value[2].clamp(-max_phase, max_phase), camera.reference_wavelength_nm);
-        Ring { inner, outer, delay }
-    };
-    let rings = rings.chunks_exact(3).zip(&camera.rings).map(ring).collect();
-    let [low, high] = camera.psi_range;
-    Camera { rings, focus_psi: focus[0].clamp(low, high), ..camera.clone() }
-}
-
-/// The delay of a phase in radians at a wavelength, of the same kind: an etched ring keeps its glass and changes its height.
-fn delayed(delay: Delay, rad: f64, at_nm: f64) -> Delay {
-    match delay {
-        Delay::Phase { .. } => Delay::Phase { rad, at_nm },
-        Delay::Etched { cauchy, .. } => {
-            let of_a_micrometre = Delay::Etched { height_um: 1.0, cauchy }.phase_rad(at_nm);
-            let height_um = (rad / of_a_micrometre).clamp(-MAX_HEIGHT_UM, MAX_HEIGHT_UM);
-            Delay::Etched { height_um, cauchy }
+    let mut values = values.to_vec();
+    for (value, parameter) in values.iter_mut().zip(of_mask(camera)) {
+        if matches!(parameter, camera::Parameter::Phase(_)) {
+            *value = value.clamp(-max_phase, max_phase);
         }
     }
+    if let Some(focus) = values.last_mut() {
+        *focus = focus.clamp(camera.psi_range[0], camera.psi_range[1]);
+    }
+    let mut from = 0.0f64;
+    // Rings are the first terms of a mask.
+    for (left, ring) in (0..camera.mask.rings().count()).rev().zip(values.chunks_exact_mut(3)) {
+        let room = 2.0 * NARROWEST * left as f64;
+        // Rounding may put the lower bound above the upper one: the ring is then as narrow as it may be.
+        ring[0] = ring[0].min(1.0 - room - NARROWEST).max(from);
+        ring[1] = ring[1].min(1.0 - room).max(ring[0] + NARROWEST).min(1.0);
+        from = ring[1] + NARROWEST;
+    }
+    with_values(camera, &values)
 }
 
 /// A random start: N rings between radii and phases at random, and a focus within the range.
@@ -417,6 +425,7 @@ pub fn random_lens(base: &Camera, rings: usize, max_phase: f64, seed: u64) -> Ca
     let [low, high] = base.psi_range;
     values.push(low + (high - low) * unit());
     let none = Ring { inner: 0.0, outer: 1.0, delay: Delay::Phase { rad: 0.0, at_nm: 1.0 } };
-    let shape = Camera { rings: vec![none; rings], defocus_sign: Sign::Plus, profile: None, ..base.clone() };
+    let mask = vec![none; rings].into_iter().collect();
+    let shape = Camera { mask, defocus_sign: Sign::Plus, ..base.clone() };
     with(&shape, &values, max_phase)
 }

@@ -14,6 +14,8 @@
 //! | lens | [`joint`] | a lens that moves along its network's gradient |
 //! | run | [`recipe`], [`train`], [`threads`] | schedule, [`validation`], checkpoints ([`checkpoint`]), resume |
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 pub mod adam;
 pub mod augment;
 pub mod budget;

@@ -9,7 +9,7 @@ use crate::structure::Structure;
 use crate::weighting::Weighting;
 use edof_core::Tone;
 use edof_core::words;
-use edof_network::network::{Form, Shrinkage};
+use edof_network::network::Form;
 use edof_optics::psf::Settings;
 use serde::{Deserialize, Serialize};
 
@@ -84,10 +84,7 @@ impl Recipe {
             weighting: Weighting::Root,
             batch: 512,
             steps: 40_000,
-            rate: match form.shrinkage {
-                Shrinkage::OneSided => 1.5e-3,
-                Shrinkage::TwoSided => 2e-3,
-            },
+            rate: form.shrinkage.training().rate,
             output_rate: 0.2,
             threshold_rate: 0.15,
             lambda: lambdas(&form),
@@ -134,6 +131,10 @@ impl Recipe {
         }
         if self.tone != dataset.tone() {
             return Err(value("tone", self.tone, "the tone that the photos were read in"));
+        }
+        if self.structure == Structure::Symmetric && !dataset.is_transposable() {
+            let expected = "free or blocks:SHARE behind a lens whose PSFs are not their own transposes";
+            return Err(value("structure", self.structure, expected));
         }
         Ok(())
     }

@@ -16,7 +16,7 @@ use edof_core::storage::provenance::Provenance;
 use edof_core::{Noise, Tone};
 use edof_network::float::parameters::{Layout, flatten, unflatten};
 use edof_network::float::pass::Pass;
-use edof_network::network::{Condition, Form, Network, Origin, Shrinkage};
+use edof_network::network::{Condition, Form, Network, Origin};
 use edof_numerics::random::Random;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -358,10 +358,9 @@ impl<'a> Trainer<'a> {
             self.condition.pull_back(gradient, &mut self.scratch);
             let rate = self.recipe.rate * schedule;
             self.state.adam.step(&mut self.state.weights, gradient, rate, &self.rates);
-            if self.recipe.form.shrinkage == Shrinkage::TwoSided {
-                for theta in &self.layout.thresholds {
-                    self.state.weights[theta.clone()].iter_mut().for_each(|t| *t = t.max(0.0));
-                }
+            for theta in &self.layout.thresholds {
+                let thresholds = self.state.weights[theta.clone()].iter_mut();
+                thresholds.for_each(|t| *t = self.recipe.form.shrinkage.legal(*t));
             }
             self.held.hold(&self.condition, &mut self.state.weights, &mut self.weights);
         });

@@ -9,6 +9,8 @@
 //! | make | `make` | `from_parts`, or `Default` |
 //! | mark | `kernel` | rust-hdl's `hdl_gen`, each statement with its line |
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 mod block;
 mod description;
 mod fields;

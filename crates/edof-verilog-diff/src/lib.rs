@@ -11,6 +11,8 @@
 //!
 //! `README.md` has an example.
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 mod compare;
 mod drive;
 mod failure;

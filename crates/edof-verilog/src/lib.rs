@@ -29,6 +29,8 @@
 //!
 //! `README.md` has a first circuit, leaves, and what to do about each rejection.
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
 mod arrays;
 mod blocks;
 // So that `#[derive(Circuit)]` can name this crate from within, too.

@@ -3,6 +3,7 @@
 //! | step | module |
 //! |---|---|
 //! | cameras, networks and designs by name | [`presets`] |
+//! | what the commands of the program do, from files to files | [`job`] |
 //! | frames, windows, tone; cameras as data; result files | [`core`] |
 //! | lens and scene to raw frame | [`optics`] |
 //! | files of photographs and of raw frames | [`io`] |
@@ -38,6 +39,9 @@
 //!
 //! Signatures may change between minor versions until 1.0.
 
+#![cfg_attr(not(test), warn(unused_crate_dependencies))]
+
+pub mod job;
 pub mod presets;
 
 #[cfg(feature = "hardware")]

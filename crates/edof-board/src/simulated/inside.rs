@@ -319,7 +319,7 @@ impl Inside {
             "uart_broken" => self.uart_broken,
             name if Chips::has(name) => self.chips.register(name),
             "writes_refused" => self.refused,
-            "core_cycles" => self.cycles(u64::from(edof_device::board::CORE_KILOHERTZ)),
+            "core_cycles" => self.cycles(u64::from(self.design.board.core_khz)),
             "screen_cycles" => self.cycles(self.pixel_kilohertz()),
             name if name.starts_with("check_") => self.checks.register(name),
             _ => self.counts.get(name).copied().unwrap_or(0),

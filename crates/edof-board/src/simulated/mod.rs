@@ -74,6 +74,7 @@ impl Simulated {
         baud: u32,
     ) -> Result<Self, Error> {
         design.check()?;
+        design.video()?;
         for network in sets {
             design.check_network(network)?;
             Golden::new(network.clone())?;

@@ -1,35 +1,28 @@
 //! `edof capture`.
 
-use crate::commands::scene::{Drawing, fits};
-use crate::depth_map::{DepthMap, MapOf};
+use crate::commands::scene::Drawing;
 use crate::error::Error;
 use crate::files::Files;
-use crate::lens::{self, DepthRange, Lens};
-use crate::pictures::{self, Tones};
-use crate::scene_file::{self, ListedScene};
+use crate::lens::{self, Depth, DepthRange, Lens};
+use crate::pictures;
+use crate::said;
 use crate::ui::Ui;
-use crate::{memory, said};
+use edof::job::{
+    CaptureJob, CaptureOutputs, Captured, DepthMap, JobError, ListedScene, Meaning, Scale, SceneSource,
+};
 use edof_core::camera::Camera;
 use edof_core::frame::FrameError;
-use edof_core::storage::provenance::Input;
 use edof_core::words::count;
-use edof_core::{CfaPhase, ColourFrame, Noise, RawFrame, Tone, cable};
-use edof_io::levels::{Black, Levels};
-use edof_io::raw::{Alignment, Size};
-use edof_io::record::{self, RawRecord};
-use edof_io::{photo, raw};
-use edof_optics::capture::{
-    Approximation, ApproximationCost, Capture, CaptureError, Kernel, capture_told, measure_approximation_told,
-};
-use edof_optics::depth::distance_m;
+use edof_core::{CfaPhase, Noise, Tone};
+use edof_io::raw;
+use edof_io::record;
+use edof_optics::capture::{Approximation, Kernel};
 use edof_optics::depth_map::Unit;
+use edof_optics::distance_m;
 use edof_optics::draw::parse_name;
 use edof_optics::layers;
 use edof_optics::psf::Settings;
-use edof_optics::scene::Scene;
-use edof_optics::sensor::{Sensor, SensorError};
-use ndarray::{Axis, s};
-use serde::Serialize;
+use edof_optics::{Sensor, SensorError};
 use std::path::{Path, PathBuf};
 
 /// Simulate the raw Bayer frame that a camera gives of a photograph or a built-in scene
@@ -53,9 +46,7 @@ pub struct Args {
     #[arg(value_name = "SCENE")]
     scene: String,
 
-    /// Raw frame to write: .png or .tif (sensor values at the top of 16 bits), .pgm, or .raw without a header; FILE.json states
-    /// how it was taken
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help = format!("Raw frame to write: {}; FILE.json states how it was taken", raw::written()))]
     out: PathBuf,
 
     /// Camera: a preset (clear, clear-mid, ring-2015, ring-2018, ring-depth-2018, ring-outer) or a JSON file
@@ -157,6 +148,15 @@ pub struct Args {
     light: Option<PathBuf>,
 }
 
+/// What the values of a depth map are proportional to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum MapOf {
+    /// One over the distance, white nearest.
+    Nearness,
+    /// The distance, white farthest.
+    Distance,
+}
+
 const EXAMPLES: &str = "\
 Examples:
   edof capture photo.jpg --depth-map depth.png --range 8:0 --out raw.png
@@ -169,225 +169,133 @@ Examples:
   edof capture photo.png --tone linear --noise 0.01 --psi 8 --out raw.png
   edof capture leaves --psi 6 --noise sensor:gain=4 --bit-depth 10 --out raw.png --exact";
 
-#[derive(Serialize)]
-struct Captured {
-    scene: String,
-    camera: String,
-    width: usize,
-    height: usize,
-    psi: Vec<f64>,
-    tone: Tone,
-    noise: Noise,
-    depths: Vec<edof_optics::capture::Depth>,
-    seconds: f64,
-    approximations: Vec<ApproximationCost>,
-    out: String,
-}
-
 /// # Errors
 /// A photograph that cannot be read or has an odd side, depths or a sensor that cannot be, a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    raw::check_ending(&args.out)?;
-    let Lens { camera, files } = lens::resolve(&args.camera, args.psf_bank.as_deref())?;
-    let camera = args.drawing.before(camera)?;
-    let listed = args.listed()?;
-    args.files(listed.as_ref(), files, ui)?.check()?;
-    let sensor = Sensor {
-        depth: args.depth,
-        phase: args.phase,
-        noise: args.noise,
-        seed: args.drawing.seed,
-        black_level: args.black_level,
-    };
-    sensor.check().map_err(of_sensor)?;
-    let (scene, tone) = match listed {
-        Some(file) => file.scene(args.tone, &camera, ui)?,
-        None => open(&args, &camera, ui)?,
-    };
-    let approximation = args.approximation()?;
+    let job = args.job(ui)?;
     let progress = ui.progress(1, "capture");
-    let told = |before: usize| {
-        let progress = &progress;
-        move |done: usize, of: usize, next: &str| {
-            progress.message(next);
-            progress.of((before + done) as u64, (before + of) as u64);
-        }
+    let step = |done: usize, of: usize, next: &str| {
+        progress.message(next);
+        progress.of(done as u64, of as u64);
     };
-    let taken = capture_told(&scene, &camera, &sensor, &approximation, told(0));
-    let shot = taken.map_err(|e| args.of_scene(&e))?;
-    let steps = shot.depths.len() + 1;
-    raw::save(&args.out, &shot.raw)?;
-    let record = record_of(&args, &camera, &scene, tone, &shot.raw, ui);
-    record::save(&args.out, &record)?;
-    if let Some(path) = &args.video {
-        save_video(path, args.values, &record, &shot.raw)?;
-    }
-    if let Some(path) = &args.sharp {
-        photo::save(path, &tone.encoded(&scene.sharp()), 16)?;
-    }
-    if let Some(path) = &args.light {
-        photo::save(path, &tone.encoded(&shot.light), 16)?;
-    }
-    // A bank's kernels are used as they are: nothing is approximated.
-    let costs = if !args.measure || args.exact || args.no_measure || camera.psf_bank.is_some() {
-        vec![]
-    } else {
-        measure_approximation_told(&scene, &camera, &approximation, told(steps))?
-    };
+    let captured = job.run(&|note| ui.note(pictures::in_words(&note)), step).map_err(|e| args.failed(e))?;
     progress.finish();
-    tell(&scene, &camera, &shot, &costs, ui)?;
-    let (height, width) = scene.size();
-    let psi = scene.layers.iter().map(|layer| layer.psi).collect();
-    let Capture { depths, seconds, .. } = shot;
-    let (scene, camera, noise, out) = (scene.name, camera.name, args.noise, args.out.display().to_string());
-    ui.json(&Captured {
-        scene,
-        camera,
-        width,
-        height,
-        psi,
-        tone,
-        noise,
-        depths,
-        seconds,
-        approximations: costs,
-        out,
-    })
-}
-
-/// A failure of the sensor's options, by their names.
-fn of_sensor(error: SensorError) -> Error {
-    match error {
-        SensorError::Frame(FrameError::Depth(bits)) => {
-            Error::message(format!("--bit-depth {bits}: must be 8 to 16"))
-        }
-        SensorError::Black { black, full, depth } => Error::message(format!(
-            "--black-level {black}: must be less than {full}, for a sensor of --bit-depth {depth} bits"
-        )),
-        error => error.into(),
-    }
-}
-
-/// Writes a frame for a playout card, and its record: in the values of the board's network, without a black level, which no board takes off.
-fn save_video(path: &Path, values: Tone, record: &RawRecord, frame: &RawFrame) -> Result<(), Error> {
-    let levels = Levels { black: record.black_level, white: record.white_level };
-    let sent = levels.light(frame).map(|light| cable::carried(&light.encoded(values)));
-    let sent = sent.map_err(|e| Error::message(e.to_string()))?;
-    raw::save_video(path, &sent)?;
-    let record = RawRecord {
-        depth: sent.depth(),
-        alignment: Alignment::Top,
-        video: Some(Size::of(&sent)),
-        black_level: Black::default(),
-        white_level: None,
-        values,
-        sha256: Input::raw_frame("", &sent).sha256,
-        ..record.clone()
-    };
-    Ok(record::save(path, &record)?)
-}
-
-/// What the raw frame cannot say of itself.
-fn record_of(
-    args: &Args,
-    camera: &Camera,
-    scene: &Scene,
-    tone: Tone,
-    frame: &RawFrame,
-    ui: &Ui,
-) -> RawRecord {
-    ui.used(camera.input());
-    RawRecord {
-        phase: frame.phase(),
-        depth: frame.depth(),
-        alignment: record::alignment_of(&args.out),
-        video: None,
-        black_level: args.black_level.into(),
-        white_level: None,
-        white_balance: None,
-        colour_matrix: None,
-        camera: camera.clone(),
-        psi: scene.layers.iter().map(|layer| layer.psi).collect(),
-        tone,
-        values: Tone::Linear,
-        noise: args.noise,
-        sha256: Input::raw_frame(&scene.name, frame).sha256,
-        provenance: ui.provenance().for_file(),
-    }
-}
-
-/// A built-in scene by its name, or a photograph; and the tone of its pictures.
-fn open(args: &Args, camera: &Camera, ui: &Ui) -> Result<(Scene, Tone), Error> {
-    if parse_name(&args.scene).is_ok() && !Path::new(&args.scene).exists() {
-        if let Some(map) = &args.depth_map {
-            return Err(Error::message(format!(
-                "--depth-map {}: {} is a built-in scene with its own depths; only photographs accept a depth map",
-                map.display(),
-                args.scene
-            )));
-        }
-        return Ok((args.drawing.draw(&args.scene, camera)?, args.tone.unwrap_or(Tone::Srgb)));
-    }
-    if let Some(size) = args.drawing.size {
-        return Err(Error::message(format!(
-            "--size {size}: a photograph has its own size; the option is for built-in scenes"
-        )));
-    }
-    let path = Path::new(&args.scene);
-    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    if let Some(map) = &args.depth_map {
-        return layered(args, name, map, camera, ui);
-    }
-    if let Some(range) = args.range {
-        return Err(Error::message(format!(
-            "--range {range}: is of a depth map; add --depth-map, or omit --range"
-        )));
-    }
-    if let Some(unit) = args.map_unit {
-        return Err(Error::message(format!(
-            "--map-unit {unit}: is of a depth map; add --depth-map, or omit --map-unit"
-        )));
-    }
-    let [psi] = args.drawing.psis(camera)?[..] else {
-        return Err(Error::message(
-            "--psi: expected one value, because a photograph is at one depth; or use --depth-map",
-        ));
-    };
-    let (photograph, tone) = pictures::load(path, args.tones(), ui)?;
-    let (height, width) = photograph.size();
-    fits(width, height)?;
-    ui.used(Input::photograph(&name, &photograph));
-    Ok((Scene::flat(name, tone.into_decoded(photograph), psi), tone))
-}
-
-/// A photograph with a depth map, and the tone of its values.
-fn layered(args: &Args, name: String, map: &Path, camera: &Camera, ui: &Ui) -> Result<(Scene, Tone), Error> {
-    let depths = DepthMap::load(map, args.map_of, args.map_unit, args.range)?;
-    let photograph = photo::load(Path::new(&args.scene))?;
-    if depths.dim() != photograph.size() {
-        let ((height, width), (rows, columns)) = (depths.dim(), photograph.size());
-        return Err(Error::message(format!(
-            "{}: {width}x{height}, expected {columns}x{rows} as {}",
-            map.display(),
-            args.scene
-        )));
-    }
-    let (height, width) = pictures::whole_cells(photograph.size());
-    layers::check(args.layers).map_err(|e| Error::message(format!("--{e}")))?;
-    let job = format!("{width}x{height} in --layers {}", args.layers);
-    memory::check(&job, scene_file::bytes_a_pixel(args.layers) * (width * height) as f64)?;
-    let (photograph, tone) = pictures::load(Path::new(&args.scene), args.tones(), ui)?;
-    ui.used(Input::photograph(&name, &photograph));
-    ui.used(Input::photograph("depth map", &ColourFrame { planes: depths.shares().insert_axis(Axis(0)) }));
-    let psi = depths.psis(map, camera, ui)?.slice_move(s![..height, ..width]);
-    let scene = layers::from_depths(&name, &tone.into_decoded(photograph), &psi, args.layers);
-    Ok((scene.map_err(|e| said::of_file(map, e))?, tone))
+    captured.inputs.iter().for_each(|input| ui.used(input.clone()));
+    tell(&captured, &job.camera, ui)?;
+    ui.json(&captured)
 }
 
 impl Args {
-    /// The user's tone, or sRGB where neither the user nor the file states another.
-    const fn tones(&self) -> Tones {
-        Tones { given: self.tone, usual: Tone::Srgb }
+    /// The job of these options, checked; nothing is read of it but the camera and a list of layers.
+    fn job(&self, ui: &Ui) -> Result<CaptureJob, Error> {
+        raw::writer(&self.out)?;
+        let Lens { camera, files } = lens::resolve(&self.camera, self.psf_bank.as_deref())?;
+        let camera = self.drawing.before(camera)?;
+        let listed = self.listed()?;
+        self.files(listed.as_ref(), files, ui)?.check()?;
+        Ok(CaptureJob {
+            sensor: self.sensor()?,
+            scene: listed.map_or_else(|| self.scene(&camera), |listed| Ok(SceneSource::Listed(listed)))?,
+            approximation: self.approximation()?,
+            camera,
+            tone: self.tone,
+            is_measured: self.measure && !self.exact && !self.no_measure,
+            outputs: CaptureOutputs {
+                raw: self.out.clone(),
+                video: self.video.clone().map(|file| (file, self.values)),
+                sharp: self.sharp.clone(),
+                light: self.light.clone(),
+            },
+            provenance: ui.provenance().for_file(),
+        })
+    }
+
+    fn sensor(&self) -> Result<Sensor, Error> {
+        let sensor = Sensor {
+            depth: self.depth,
+            phase: self.phase,
+            noise: self.noise,
+            seed: self.drawing.seed,
+            black_level: self.black_level,
+        };
+        sensor.check().map_err(|error| match error {
+            SensorError::Frame(FrameError::Depth(bits)) => {
+                Error::message(format!("--bit-depth {bits}: must be 8 to 16"))
+            }
+            SensorError::Black { black, full, depth } => Error::message(format!(
+                "--black-level {black}: must be less than {full}, for a sensor of --bit-depth {depth} bits"
+            )),
+            error => error.into(),
+        })?;
+        Ok(sensor)
+    }
+
+    /// A built-in scene by its name, or a photograph.
+    fn scene(&self, camera: &Camera) -> Result<SceneSource, Error> {
+        let path = PathBuf::from(&self.scene);
+        if parse_name(&self.scene).is_ok() && !path.exists() {
+            if let Some(map) = &self.depth_map {
+                return Err(Error::message(format!(
+                    "--depth-map {}: {} is a built-in scene with its own depths; only photographs accept a depth map",
+                    map.display(),
+                    self.scene
+                )));
+            }
+            return Ok(SceneSource::Synthetic(self.drawing.scene(&self.scene, camera)?));
+        }
+        if let Some(size) = self.drawing.size {
+            return Err(Error::message(format!(
+                "--size {size}: a photograph has its own size; the option is for built-in scenes"
+            )));
+        }
+        if let Some(file) = &self.depth_map {
+            layers::check(self.layers).map_err(|e| Error::message(format!("--{e}")))?;
+            let map = DepthMap { file: file.clone(), meaning: self.meaning(camera)? };
+            return Ok(SceneSource::Deep { path, map, layers: self.layers });
+        }
+        let of_map = |option: &str, value: &dyn std::fmt::Display| {
+            Error::message(format!(
+                "--{option} {value}: is of a depth map; add --depth-map, or omit --{option}"
+            ))
+        };
+        if let Some(range) = self.range {
+            return Err(of_map("range", &range));
+        }
+        if let Some(unit) = self.map_unit {
+            return Err(of_map("map-unit", &unit));
+        }
+        match self.drawing.psis(camera)?[..] {
+            [psi] => Ok(SceneSource::Photograph { path, psi }),
+            _ => Err(Error::message(
+                "--psi: expected one value, because a photograph is at one depth; or use --depth-map",
+            )),
+        }
+    }
+
+    /// What the values of the depth map stand for.
+    fn meaning(&self, camera: &Camera) -> Result<Meaning, Error> {
+        let of_range = |e| Error::message(format!("--range {e}"));
+        match (self.map_unit, self.range) {
+            // Without a nominal distance no distance is known; the map's own are named then.
+            (Some(unit), limits) => {
+                let known = limits.filter(|_| camera.nominal_m.is_some());
+                known.map_or(Ok([0.0; 2]), |range| range.psi(camera)).map_err(of_range)?;
+                Ok(Meaning::Steps { unit, limits })
+            }
+            (None, Some(range)) => {
+                let [near, far] = range.ends(camera).map_err(of_range)?;
+                match (self.map_of, range.near, range.far) {
+                    (MapOf::Nearness, ..) => Ok(Meaning::Shares(Scale::Nearness { near, far })),
+                    (MapOf::Distance, Depth::Metres(near), Depth::Metres(far)) if far.is_finite() => {
+                        Ok(Meaning::Shares(Scale::Distance { near, far }))
+                    }
+                    _ => {
+                        Err(Error::message("--map-of distance: --range must be two distances, as in 0.7m:3m"))
+                    }
+                }
+            }
+            (None, None) => Err(Error::message("--depth-map: add --range or --map-unit")),
+        }
     }
 
     /// What is read and written.
@@ -410,17 +318,20 @@ impl Args {
         Ok(files)
     }
 
-    /// A failure of a scene that is in a file, by the file's name.
-    fn of_scene(&self, error: &CaptureError) -> Error {
-        if Path::new(&self.scene).exists() {
-            return said::of_file(&self.scene, error);
+    /// A failure of the job, by the option or the file that it is about.
+    fn failed(&self, error: JobError) -> Error {
+        match error {
+            JobError::Capture(error) if Path::new(&self.scene).exists() => said::of_file(&self.scene, error),
+            JobError::Layers { size, layers, source } => {
+                Error::message(format!("{size} in --layers {layers}: {source}"))
+            }
+            error => self.drawing.failed(error),
         }
-        Error::message(error.to_string())
     }
 
     /// The layers of a scene that a file lists; what only photographs and synthetic scenes have is rejected.
     fn listed(&self) -> Result<Option<ListedScene>, Error> {
-        if !scene_file::is_scene_file(&self.scene) {
+        if !ListedScene::is_named(Path::new(&self.scene)) {
             return Ok(None);
         }
         let given = [
@@ -431,7 +342,7 @@ impl Args {
         if let Some((option, _)) = given.into_iter().find(|(_, given)| *given) {
             return Err(Error::message(format!("{option}: {} says it for each of its layers", self.scene)));
         }
-        ListedScene::load(Path::new(&self.scene)).map(Some)
+        Ok(Some(ListedScene::load(Path::new(&self.scene))?))
     }
 
     fn approximation(&self) -> Result<Approximation, Error> {
@@ -446,24 +357,18 @@ impl Args {
     }
 }
 
-fn tell(
-    scene: &Scene,
-    camera: &Camera,
-    shot: &Capture,
-    costs: &[ApproximationCost],
-    ui: &Ui,
-) -> Result<(), Error> {
-    let (height, width) = scene.size();
-    let depths = count(shot.depths.len(), "depth");
-    ui.say(format!("{}: {width}x{height}, {depths}, {:.2} s", scene.name, shot.seconds))?;
-    for depth in &shot.depths {
+fn tell(captured: &Captured, camera: &Camera, ui: &Ui) -> Result<(), Error> {
+    let Captured { scene, width, height, seconds, .. } = captured;
+    let depths = count(captured.depths.len(), "depth");
+    ui.say(format!("{scene}: {width}x{height}, {depths}, {seconds:.2} s"))?;
+    for depth in &captured.depths {
         let metres = camera.nominal_m.and_then(|nominal| distance_m(camera, depth.psi, nominal));
         let metres = metres.map_or(String::new(), |metres| format!(", {metres:.2} m"));
         for (channel, kernel) in ["red", "green", "blue"].into_iter().zip(&depth.channels) {
             ui.say(format!("  psi {:5.2}{metres} {channel:5}: {}", depth.psi, blur_in_words(kernel)))?;
         }
     }
-    for cost in costs {
+    for cost in &captured.approximations {
         ui.say(format!(
             "  approximated {:11}: rms error {:.1e}, largest {:.1e} of full scale; {:.2} s instead of {:.2} s",
             cost.approximation, cost.rms_error, cost.max_error, cost.seconds, cost.exact_seconds

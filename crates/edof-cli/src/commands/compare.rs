@@ -11,12 +11,13 @@ use edof_core::{ColourFrame, Tone};
 use edof_io::photo::{self, Photograph};
 use edof_io::transfer::Curve;
 use edof_study::metrics::mtf50::EdgeResponse;
-use edof_study::metrics::{BORDER, MetricError, Quality, luma};
+use edof_study::metrics::quality::columns;
+use edof_study::metrics::{BORDER, Better, MetricError, Quality, Score, luma};
 use ndarray::{Axis, s};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Compare two pictures: PSNR, SSIM, place of the largest difference, sharpness of an edge in each
+/// Compare two pictures: PSNR, SSIM and further metrics, place of the largest difference, sharpness of an edge in each
 ///
 /// The values of the files are compared, full scale 1. --region limits the comparison to a part. If the part contains one slanted edge
 /// (1 to 30 degrees off the pixels' rows or columns), its MTF50 is printed for both: the frequency at which contrast falls to a half.
@@ -41,7 +42,7 @@ pub struct Args {
     #[arg(long, value_name = "PIXELS")]
     border: Option<usize>,
 
-    /// Encoding of the pictures, which the measurement of an edge needs: srgb, or linear (linear light)
+    /// Encoding of the pictures, which metrics of light and the measurement of an edge need: srgb, or linear (linear light)
     #[arg(long, default_value_t = Tone::Srgb, value_name = "TONE")]
     tone: Tone,
 
@@ -132,7 +133,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         };
         Error::message(format!("{}, {}: {e}{hint}", args.a.display(), args.b.display()))
     };
-    let quality = Quality::of(&a, &b, border).map_err(of_files)?;
+    let quality = Quality::of(&a, &b, border, args.tone).map_err(of_files)?;
     let compared = Compared {
         a: args.a.display().to_string(),
         b: args.b.display().to_string(),
@@ -234,12 +235,7 @@ fn tell(compared: &Compared, args: &Args, ui: &Ui) -> Result<(), Error> {
     if compared.identical {
         ui.say("  identical")?;
     } else {
-        let [red, green, blue] = quality.channel_psnr_db;
-        ui.say(format!(
-            "  PSNR {:.2} dB (red {red:.2}, green {green:.2}, blue {blue:.2}, luma {:.2})",
-            quality.psnr_db, quality.luma_psnr_db
-        ))?;
-        ui.say(format!("  SSIM {:.4} (luma {:.4})", quality.ssim, quality.luma_ssim))?;
+        scores(quality, ui)?;
         let [red, green, blue] = compared.mean_difference.map(|d| 255.0 * d);
         let Largest { difference, row, column } = compared.largest;
         ui.say(format!(
@@ -254,6 +250,29 @@ fn tell(compared: &Compared, args: &Args, ui: &Ui) -> Result<(), Error> {
         }
         (None, None) => Ok(()),
     }
+}
+
+/// One line for PSNR, and one for each metric that tables show.
+fn scores(quality: &Quality, ui: &Ui) -> Result<(), Error> {
+    let luma = |name: &str| quality.number(&format!("luma_{name}"));
+    let [red, green, blue] = match quality.get("channel_psnr_db") {
+        Some(Score::Colours(colours)) => colours,
+        _ => [f64::NAN; 3],
+    };
+    ui.say(format!(
+        "  PSNR {:.2} dB (red {red:.2}, green {green:.2}, blue {blue:.2}, luma {:.2})",
+        quality.psnr_db(),
+        luma("psnr_db").unwrap_or(f64::NAN)
+    ))?;
+    for metric in columns([&Quality::means(&[*quality])].into_iter()) {
+        let Some(number) = quality.number(metric.name) else { continue };
+        // A picture's own number has a digit more than a mean.
+        let digits = |number: f64| metric.with_unit(&format!("{number:.*}", metric.decimals + 1));
+        let better = if metric.better == Better::Lower { ", lower is better" } else { "" };
+        let luma = luma(metric.name).map_or_else(String::new, |luma| format!(" (luma {})", digits(luma)));
+        ui.say(format!("  {} {}{luma}{better}", metric.title, digits(number)))?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::lens::Depth;
-use crate::memory as machine;
+use crate::said;
 use crate::ui::Ui;
 use crate::weights;
 use crate::windows::Shot;
@@ -198,7 +198,7 @@ fn patches(args: &Args, design: &Design, network: &FixedNetwork, ui: &Ui) -> Res
     let draw = &mut Draw::new(args.seed);
     if let Some(count) = args.random {
         let bytes = BYTES_A_PATCH + size_of::<i16>() * design.form.window.pixels();
-        machine::check(&format!("--random {count}"), count as f64 * bytes as f64)?;
+        said::memory(&format!("--random {count}"), count as f64 * bytes as f64)?;
         let pixels = design.form.window.pixels();
         let patch = |_| Patch {
             set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },
@@ -379,9 +379,8 @@ fn write_junit(
 ) -> Result<(), Error> {
     let failure = difference.map(ToString::to_string);
     // No count: a name that changes with the options has no history in a CI.
-    let name = "every word at every boundary, and every cycle".to_owned();
-    let cases = vec![junit::Case { name, seconds, failure }];
-    let suites = vec![junit::Suite { name: format!("cosim {}", design.name), cases }];
-    edof_core::storage::atomic::write(path, junit::Report { suites }.to_xml().as_bytes())?;
+    let name = "every word at every boundary, and every cycle";
+    let xml = junit::report(&format!("cosim {}", design.name), name, seconds, failure.as_deref());
+    edof_core::storage::atomic::write(path, xml.as_bytes())?;
     Ok(())
 }

@@ -10,8 +10,8 @@ use edof_core::camera::Camera;
 use edof_core::{Noise, Reconstructor, Tone};
 use edof_deblur::Malvar;
 use edof_golden::GoldenReconstructor;
+use edof_optics::Sensor;
 use edof_optics::draw::{Builtin, draw, four_depths};
-use edof_optics::sensor::Sensor;
 use edof_study::demo::{self, Demo, Lens};
 use edof_study::report::picture;
 use serde_json::Value;
@@ -81,7 +81,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (clear_camera, clear) = method(args.clear_net(), ui)?;
     said::clear(args.clear_net(), &clear_camera)?;
     let sides = format!("--width {} --height {}", args.width, args.height);
-    super::scene::fits(args.width, args.height).map_err(|e| Error::message(format!("{sides}: {e}")))?;
+    edof::job::check_memory(args.width, args.height).map_err(|e| Error::message(format!("{sides}: {e}")))?;
     let kind = args.scene.parse::<Builtin>()?;
     let scene = draw(kind, args.height, args.width, &four_depths(camera.psi_range), 1);
     let scene = scene.map_err(|e| Error::message(format!("{sides}: {e}")))?;

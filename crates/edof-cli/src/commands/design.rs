@@ -8,14 +8,16 @@ use crate::kind::Kind;
 use crate::said;
 use crate::ui::Ui;
 use crate::weights;
+use clap::builder::PossibleValuesParser;
 use edof_core::Stride;
 use edof_core::colour::OUTPUTS_422;
 use edof_cosim::promise::Promise;
 use edof_device::Design;
+use edof_device::board::Board;
 use edof_device::design::{FrameSize, StageSize};
 use edof_golden::cycle::estimate::estimate;
 use edof_golden::cycle::explore::foldings;
-use edof_hdl::resources::{self, XC7K325T};
+use edof_hdl::resources;
 use edof_io::raw::Size;
 use edof_network::network::Form;
 use serde_json::json;
@@ -42,14 +44,14 @@ enum Task {
     Check(Check),
 }
 
-/// Write a design file: the folding that is fastest when no value is zero, within the multipliers and an XC7K325T
+/// Write a design file: the folding that is fastest when no value is zero, within the multipliers and the board's FPGA
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof design new --form edof-t4w12 --size 1280x720 --clock-mhz 150 --out mine.json
   edof design new --weights mine.fixed.safetensors --multipliers 400 --out small.json")]
 struct New {
     /// Architecture of its networks
-    #[arg(long, value_parser = form::parse, long_help = form::HELP, required_unless_present = "weights", conflicts_with = "weights")]
+    #[arg(long, value_parser = form::parse, long_help = form::help(), required_unless_present = "weights", conflicts_with = "weights")]
     form: Option<Form>,
 
     /// Network to run, by name or file: sets architecture, bits, accumulators and stride
@@ -64,6 +66,10 @@ struct New {
     #[arg(long)]
     name: Option<String>,
 
+    /// Board to make it for
+    #[arg(long, value_parser = PossibleValuesParser::new(Board::names()), default_value = "kc705")]
+    board: String,
+
     /// Clock of the calculator in MHz, above 0, at most 400; on the KC705 a rate that an MMCM makes of 200 MHz
     #[arg(long, default_value_t = 200.0, value_name = "MHZ")]
     clock_mhz: f64,
@@ -76,9 +82,9 @@ struct New {
     #[arg(long, value_name = "PIXELS")]
     stride: Option<usize>,
 
-    /// Largest number of multipliers (DSP48E1)
-    #[arg(long, default_value_t = 840, value_name = "N")]
-    multipliers: usize,
+    /// Largest number of multipliers [default: all of the board's, on the KC705 840 DSP48E1]
+    #[arg(long, value_name = "N")]
+    multipliers: Option<usize>,
 }
 
 /// Check a design: its fields, its frames and clock on a board, and whether a network fits it
@@ -110,17 +116,19 @@ impl New {
         files.writes_as(Kind::Design, "--out", &self.out).check()?;
         let base = self.base()?;
         let pairs: Vec<f64> = base.stages().map(|stage| stage.inputs as f64).collect();
+        let part = &base.board.part;
+        let multipliers = self.multipliers.unwrap_or(part.cells.multipliers);
         let fits = |design: &Design| {
             let used = resources::whole(design);
-            used.dsp48e1 <= self.multipliers && used.fullest(&XC7K325T).1 <= 1.0
+            used.multipliers <= multipliers && part.has(&used)
         };
         let cycles = |design: &Design| estimate(design, None).cycles_per_patch;
         let best =
             foldings(&base, &pairs).into_iter().filter(fits).min_by(|a, b| cycles(a).total_cmp(&cycles(b)));
         let design = best.ok_or_else(|| {
             Error::message(format!(
-                "--multipliers {}: no folding of this form has as few and fits an XC7K325T; allow more",
-                self.multipliers
+                "--multipliers {multipliers}: no folding of this form has as few and fits an {}; allow more",
+                part.name
             ))
         })?;
         let promise = Promise::of(&design).map_err(|e| self.of_options(&e))?;
@@ -152,6 +160,7 @@ impl New {
             skip_zeros: true,
             stages: (0..=last).map(|stage| StageSize { lanes: lanes(stage), rows: 1 }).collect(),
             frame: FrameSize { width: self.size.width, height: self.size.height, stride },
+            board: Board::named(&self.board).unwrap_or_default(),
         };
         design.check().map_err(|e| self.of_options(&e))?;
         Ok(design)

@@ -2,9 +2,9 @@
 
 use crate::error::Error;
 use crate::files::Files;
-use crate::memory;
 use crate::ui::Ui;
 use crate::weights;
+use edof::job::memory;
 use edof_cosim::tool;
 use edof_cosim::verilator::Options;
 use edof_cosim::yosys::timing;

@@ -13,9 +13,8 @@ use edof_core::Noise;
 use edof_cosim::chain::check::stage_names;
 use edof_cosim::estimate::{Estimated, Measured, Picture};
 use edof_device::Design;
-use edof_device::board;
+use edof_device::board::part::Cells;
 use edof_golden::cycle::estimate::StageCycles;
-use edof_hdl::resources::{Resources, XC7K325T};
 use edof_network::FixedNetwork;
 use std::path::PathBuf;
 
@@ -64,7 +63,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
     files.reads_all(&args.photo).check()?;
     let design = designs::load(&args.design)?;
-    board::clocks(&design).map_err(|e| said::of_file(&args.design, e))?;
+    design.clocks().map_err(|e| said::of_file(&args.design, e))?;
     ui.used(designs::input(&design));
     let measured = match &args.weights {
         Some(name) => {
@@ -81,33 +80,41 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 fn tell(design: &Design, estimated: &Estimated<'_>, ui: &Ui) -> Result<(), Error> {
     let Estimated { pairs, ahead, cycles, limiting, stages, total, board, .. } = estimated;
     let (cycles, frames) = (*cycles, estimated.rate(*cycles));
-    let names = stage_names(stages.len());
-
-    ui.say("stage  lanes x rows  values  cycles  DSP48E1  RAMB36E1  RAMB18E1      LUT       FF")?;
+    let (names, part) = (stage_names(stages.len()), estimated.part());
+    let cells = part.named(total);
+    ui.say(format!("stage  lanes x rows  values  cycles{}", row(&cells, |(name, _)| (*name).to_owned())))?;
     for (index, (plan, used)) in design.stages().zip(stages).enumerate() {
         let values = pairs.as_ref().map_or(plan.inputs as f64, |p| p[index]);
         let own = StageCycles::largest(&ahead.stages[index]);
         let folded = format!("{} x {}", plan.lanes, plan.rows);
-        ui.say(format!("{:5}  {folded:>12}  {values:6.1}  {own:6.1}  {}", names[index], row(used)))?;
+        ui.say(format!(
+            "{:5}  {folded:>12}  {values:6.1}  {own:6.1}{}",
+            names[index],
+            counts(&part.named(used))
+        ))?;
     }
-    ui.say(format!("{:5}  {:>12}  {:>6}  {cycles:6.1}  {}", "all", "", "", row(total)))?;
-    let (scarcest, share) = total.fullest(&XC7K325T);
+    ui.say(format!("{:5}  {:>12}  {:>6}  {cycles:6.1}{}", "all", "", "", counts(&cells)))?;
+    let (scarcest, share) = part.fullest(total);
     ui.say(format!(
-        "{frames:.1} frames per second of {}x{} at {} MHz; {} limits; {scarcest} {:.0} % of an XC7K325T",
+        "{frames:.1} frames per second of {}x{} at {} MHz; {} limits; {scarcest} {:.0} % of an {}",
         design.frame.width,
         design.frame.height,
         design.clock_mhz,
         names[*limiting],
-        100.0 * share
+        100.0 * share,
+        part.name
     ))?;
-    ui.say(format!(
-        "from HDMI in to HDMI out: {:.1} frames per second, latency {:.1} to {:.1} ms; memory {:.0} MB/s written, {:.0} MB/s read",
-        board.frames_per_second,
-        1e3 * board.latency[0],
-        1e3 * board.latency[1],
-        board.written / 1e6,
-        board.read / 1e6
-    ))?;
+    ui.say(match board {
+        Some(board) => format!(
+            "from HDMI in to HDMI out: {:.1} frames per second, latency {:.1} to {:.1} ms; memory {:.0} MB/s written, {:.0} MB/s read",
+            board.frames_per_second,
+            1e3 * board.latency[0],
+            1e3 * board.latency[1],
+            board.written / 1e6,
+            board.read / 1e6
+        ),
+        None => format!("board {} has no video: frames per second are the calculator's", design.board.name),
+    })?;
     if let Some(Measured(pictures)) = estimated.measured
         && pictures.len() > 1
         && let Some(Picture { name, summary }) = estimated.measured.and_then(Measured::worst)
@@ -139,7 +146,11 @@ fn measured(design: &Design, network: &FixedNetwork, args: &Args, ui: &Ui) -> Re
     Ok(Measured(pictures))
 }
 
-fn row(used: &Resources) -> String {
-    let Resources { dsp48e1, ramb36e1, ramb18e1, lut, ff } = used;
-    format!("{dsp48e1:7}  {ramb36e1:8}  {ramb18e1:8}  {lut:7}  {ff:7}")
+/// A column for each kind of cell, as wide as its name and seven digits.
+fn row(cells: &Cells, text: impl Fn(&(&'static str, usize)) -> String) -> String {
+    cells.0.iter().map(|cell| format!("  {:>width$}", text(cell), width = cell.0.len().max(7))).collect()
+}
+
+fn counts(cells: &Cells) -> String {
+    row(cells, |(_, count)| count.to_string())
 }

@@ -15,7 +15,6 @@ use edof_device::Design;
 use edof_golden::Golden;
 use edof_golden::cycle::Cycle;
 use edof_golden::cycle::explore::front;
-use edof_hdl::resources::Resources;
 use edof_network::FixedNetwork;
 use edof_study::metrics::{BORDER, psnr, shown};
 use serde_json::json;
@@ -26,7 +25,7 @@ use std::path::PathBuf;
 ///
 /// A folding is the number of lanes (outputs computed at once) and rows (values multiplied per cycle in each lane) of every stage.
 /// Each network runs on every picture at every depth with its own camera. The number of values that each stage multiplies per patch
-/// then determines the cycles of a folding. A design sets clock and picture size; the device is an XC7K325T.
+/// then determines the cycles of a folding. A design sets clock and picture size; the board of the design sets the device.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof explore --weights edof-t4w12-outer
@@ -44,9 +43,9 @@ pub struct Args {
     #[arg(long, default_value_t = 60.0)]
     fps: f64,
 
-    /// FPGA that the folding must fit
-    #[arg(long, value_parser = ["xc7k325t"], default_value = "xc7k325t")]
-    device: String,
+    /// FPGA that the folding must fit: the part of the design's board [default: that part]
+    #[arg(long)]
+    device: Option<String>,
 
     /// Picture to measure on; repeatable [default: a built-in scene of dead leaves]
     #[arg(long, value_name = "FILE")]
@@ -69,21 +68,14 @@ pub struct Found {
     pub network: String,
     pub camera: String,
     pub db: f64,
-    pub folding: String,
-    pub cycles: f64,
-    pub worst_cycles: f64,
-    pub frames: f64,
-    pub used: Resources,
+    pub folding: Folding,
 }
 
 impl Found {
-    pub fn ramb36(&self) -> f64 {
-        self.used.ramb36e1 as f64 + self.used.ramb18e1 as f64 / 2.0
-    }
-
     /// What is better where it is less.
     pub fn figures(&self) -> [f64; 4] {
-        [-self.db, self.cycles, self.used.dsp48e1 as f64, self.ramb36()]
+        let Folding { cycles, used, .. } = &self.folding;
+        [-self.db, *cycles, used.multipliers as f64, used.whole_memories()]
     }
 }
 
@@ -92,20 +84,30 @@ impl Found {
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     args.files(Files::new(ui)).keeps(args.force).check()?;
     let (base, mut found) = args.found(ui)?;
-    let fast = found.iter().any(|one| one.frames >= args.fps);
-    found.retain(|one| !fast || one.frames >= args.fps);
+    let fast = found.iter().any(|one| one.folding.frames >= args.fps);
+    found.retain(|one| !fast || one.folding.frames >= args.fps);
     let kept = front(&found.iter().map(Found::figures).collect::<Vec<_>>());
     let mut kept: Vec<Found> =
         found.into_iter().zip(kept).filter_map(|(one, keep)| keep.then_some(one)).collect();
-    kept.sort_by(|a, b| b.db.total_cmp(&a.db).then(a.used.dsp48e1.cmp(&b.used.dsp48e1)));
+    kept.sort_by(|a, b| {
+        b.db.total_cmp(&a.db).then(a.folding.used.multipliers.cmp(&b.folding.used.multipliers))
+    });
 
-    ui.say("   dB  cycles   worst  frames/s  DSP48E1  RAMB36E1  network, lanes x rows")?;
+    let part = &base.board.part;
+    let names = [part.multiplier.name, part.memory.name];
+    let widths = names.map(|name| name.len().max(7));
+    ui.say(format!(
+        "   dB  cycles   worst  frames/s  {:>2$}  {:>3$}  network, lanes x rows",
+        names[0], names[1], widths[0], widths[1]
+    ))?;
     for one in &kept {
-        let Found { network, db, folding, cycles, worst_cycles, frames, used, .. } = one;
-        let ramb36 = one.ramb36();
+        let Found { network, db, folding: Folding { words, cycles, worst_cycles, frames, used, .. }, .. } =
+            one;
+        let (multipliers, memories) = (used.multipliers, used.whole_memories());
+        let [multipliers_width, memories_width] = widths;
         ui.say(format!(
-            "{db:5.2}  {cycles:6.1}  {worst_cycles:6.1}  {frames:8.1}  {:7}  {ramb36:8.1}  {network}, {folding}",
-            used.dsp48e1
+            "{db:5.2}  {cycles:6.1}  {worst_cycles:6.1}  {frames:8.1}  {multipliers:multipliers_width$}  {memories:memories_width$.1}  \
+             {network}, {words}"
         ))?;
     }
     if !fast {
@@ -119,16 +121,16 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         json!({
             "weights": one.network,
             "psnr_db": one.db,
-            "stages": one.folding,
-            "cycles_per_patch": one.cycles,
-            "worst_picture_cycles_per_patch": one.worst_cycles,
-            "frames_per_second": one.frames,
-            "resources": one.used,
+            "stages": one.folding.words,
+            "cycles_per_patch": one.folding.cycles,
+            "worst_picture_cycles_per_patch": one.folding.worst_cycles,
+            "frames_per_second": one.folding.frames,
+            "resources": part.named(&one.folding.used),
         })
     };
     ui.json(&json!({
         "design": base.name,
-        "device": args.device,
+        "device": part.name.to_lowercase(),
         "fps": args.fps,
         "reached": fast,
         "front": kept.iter().map(told).collect::<Vec<_>>(),
@@ -160,6 +162,14 @@ impl Args {
             return Err(Error::message(format!("--weights: {twice} is given twice")));
         }
         let base = designs::load(&self.design)?;
+        let part = base.board.part.name.to_lowercase();
+        if let Some(device) = self.device.as_ref().filter(|device| !device.eq_ignore_ascii_case(&part)) {
+            let name = &base.name;
+            return Err(Error::message(format!(
+                "--device {device}: design {name} is for board {}, which has an {part}; omit --device",
+                base.board.name
+            )));
+        }
         ui.used(designs::input(&base));
         let mut found = vec![];
         for name in &self.weights {
@@ -170,7 +180,7 @@ impl Args {
             let names = self.weights.join(", ");
             return Err(Error::message(format!(
                 "no folding of {names} fits {}; choose a smaller network, or a design of smaller frames",
-                self.device
+                part
             )));
         }
         Ok((base, found))
@@ -179,11 +189,6 @@ impl Args {
     /// Frames per second that are required.
     pub const fn fps(&self) -> f64 {
         self.fps
-    }
-
-    /// What it is that foldings must fit.
-    pub fn device(&self) -> &str {
-        &self.device
     }
 
     /// What they are measured on, in words.
@@ -207,16 +212,9 @@ fn of_network(
     let (db, pictures) = measure(args, network, &any_folding(base, network)?, ui)?;
     let found = explore::found(base, network, &pictures, interrupt::flow)?;
     interrupt::check()?;
-    let found = found.into_iter().map(|Folding { words, cycles, worst_cycles, frames, used, .. }| Found {
-        network: name.into(),
-        camera: network.origin.camera.name.clone(),
-        db,
-        folding: words,
-        cycles,
-        worst_cycles,
-        frames,
-        used,
-    });
+    let camera = &network.origin.camera.name;
+    let found =
+        found.into_iter().map(|folding| Found { network: name.into(), camera: camera.clone(), db, folding });
     Ok(found.collect())
 }
 

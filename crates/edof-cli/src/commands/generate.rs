@@ -6,10 +6,10 @@ use crate::files::Files;
 use crate::said;
 use crate::ui::Ui;
 use crate::weights;
-use clap::ValueEnum;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use edof_core::storage::folder;
 use edof_cosim::bitstream::{self, Sources};
-use edof_device::board;
+use edof_device::board::BOARDS;
 use std::path::PathBuf;
 
 /// Write the sources of a KC705 bitstream: a design, and a network in its memories
@@ -31,9 +31,9 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE")]
     weights: String,
 
-    /// Surroundings of the core: memory controller and connection to the host
-    #[arg(long, value_name = "SHELL", value_enum, default_value_t = Shell::Mig)]
-    shell: Shell,
+    /// Surroundings of the core: memory controller and connection to the host [default: the board's first, on the KC705 mig]
+    #[arg(long, value_name = "SHELL", value_parser = shells())]
+    shell: Option<String>,
 
     /// Folder to write; its present files must come from this command and be unchanged
     #[arg(long, value_name = "DIR")]
@@ -44,22 +44,11 @@ pub struct Args {
     force: bool,
 }
 
-/// Values of `--shell`.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Shell {
-    /// Xilinx's memory controller (MIG), and a serial port for the host in the core
-    Mig,
-    /// The same, and a LiteX target in litex/: LiteDRAM, LiteX's bus and UARTBone
-    Litex,
-}
-
-impl From<Shell> for bitstream::Shell {
-    fn from(shell: Shell) -> Self {
-        match shell {
-            Shell::Mig => Self::Mig,
-            Shell::Litex => Self::Litex,
-        }
-    }
+/// Values of `--shell`: the shells of all boards.
+fn shells() -> PossibleValuesParser {
+    let mut all: Vec<_> = BOARDS.iter().flat_map(|board| board.shells).collect();
+    all.dedup_by_key(|shell| shell.name);
+    all.into_iter().map(|shell| PossibleValue::new(shell.name).help(shell.about)).collect::<Vec<_>>().into()
 }
 
 /// # Errors
@@ -71,9 +60,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let network = weights::fixed(&args.weights)?;
     ui.used(weights::fixed_input(&args.weights)?);
     designs::fits_given(&design, &args.design, &network)?;
-    board::clocks(&design).map_err(|e| said::of_file(&args.design, e))?;
+    design.clocks().map_err(|e| said::of_file(&args.design, e))?;
+    let shell =
+        bitstream::shell(&design, args.shell.as_deref()).map_err(|e| said::of_file(&args.design, e))?;
     let progress = ui.progress(1, "sources");
-    let sources = Sources::told(&design, &network, args.shell.into(), |done, of, next| {
+    let sources = Sources::told(&design, &network, shell, |done, of, next| {
         progress.message(next);
         progress.of(done as u64, of as u64);
     })?;

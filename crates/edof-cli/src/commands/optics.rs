@@ -1,24 +1,27 @@
 //! `edof optics`, and `edof optics design`.
 
+mod advise;
+mod bound;
+mod scene;
 mod through;
 
 use crate::error::Error;
 use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::lens::{self, Depth, DepthRange, Lens};
-use crate::npz::Npz;
 use crate::said;
 use crate::ui::Ui;
-use edof_core::camera::Camera;
+use edof::job::Npz;
+use edof_core::camera::{Camera, Term};
 use edof_core::words::number;
 use edof_core::{Channel, Tone};
+use edof_optics::Statistics;
 use edof_optics::bank;
-use edof_optics::depth::distance_m;
 use edof_optics::design::{self, Found, Search};
+use edof_optics::distance_m;
 use edof_optics::estimator::{Task, Verdict, judge};
-use edof_optics::mtf::{Footprint, green_cutoff_per_mm, otf, sampled_otf, through_focus};
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
-use edof_optics::statistics::Statistics;
+use edof_optics::{Footprint, green_cutoff_per_mm, otf, sampled_otf, through_focus};
 use edof_study::lens::{contrast_plot, mtf_plot, psf_sheet, without_mask};
 use edof_study::report::picture::png;
 use edof_study::report::plot::side_by_side;
@@ -76,11 +79,15 @@ Examples:
   edof optics ring-outer --psi 3m,5m,10m --nominal 10
   edof optics ring-outer --psf-bank measured.npz --out out/measured
   edof optics design --out mine.json
-  edof optics design --rings 2 --psi-range -4,4 --noise 0.01 --images photos/train --out mine.json";
+  edof optics design --rings 2 --psi-range -4,4 --noise 0.01 --images photos/train --out mine.json
+  edof optics bound ring-outer --range 8:0,16:0
+  edof optics advise --range 0.4m:10m --aperture-mm 2 --electrons 3000";
 
 #[derive(clap::Subcommand)]
 enum Subtask {
     Design(Design),
+    Bound(bound::Args),
+    Advise(advise::Args),
 }
 
 /// Search for the best mask and focus for a range of depths
@@ -186,8 +193,11 @@ struct ShownDepth {
 /// # Errors
 /// An unknown camera, depths out of reach, a folder or file that cannot be written, Ctrl-C.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    if let Some(Subtask::Design(args)) = args.task {
-        return design(args, ui);
+    match args.task {
+        Some(Subtask::Design(args)) => return design(args, ui),
+        Some(Subtask::Bound(args)) => return bound::run(args, ui),
+        Some(Subtask::Advise(args)) => return advise::run(args, ui),
+        None => {}
     }
     let Lens { camera, files } = lens::resolve(&args.camera, args.psf_bank.as_deref())?;
     Files::new(ui).reads_all(files).writes_into("--out", &args.out, FILES).check()?;
@@ -272,7 +282,7 @@ fn shown(camera: &Camera, psi: f64, psfs: &[Psf; 3]) -> Result<ShownDepth, NoPsf
     })
 }
 
-/// The kernels as a PSF bank (`edof_core::camera::psf_bank`).
+/// The kernels as a PSF bank (`edof_core::camera::PsfBank`).
 fn psf_numbers(camera: &Camera, psis: &[f64], psfs: &[[Psf; 3]]) -> Result<Npz, Error> {
     let kernels: Vec<[&Array2<f32>; 3]> = psfs.iter().map(|p| p.each_ref().map(|psf| psf.kernel())).collect();
     let mut npz = Npz::new();
@@ -401,7 +411,9 @@ impl Design {
     fn base(&self) -> Result<Camera, Error> {
         let mut base = Camera::resolve(&self.camera)?;
         // Another mask has other PSFs.
-        (base.psf_bank, base.height_map) = (None, None);
+        base.psf_bank = None;
+        let is_kept = |term: &Term| !matches!(term, Term::HeightMap(_));
+        base.mask = base.mask.into_terms().into_iter().filter(is_kept).collect();
         base.psi_range = match self.psi_range[..] {
             [] => base.psi_range,
             [low @ Depth::Psi(_), high] | [low, high @ Depth::Psi(_)] => {

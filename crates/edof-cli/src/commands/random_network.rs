@@ -29,7 +29,7 @@ pub struct Args {
     kind: Kind,
 
     /// Architecture of the network
-    #[arg(long, value_parser = form::parse, default_value = "edof-t4w12", long_help = form::HELP)]
+    #[arg(long, value_parser = form::parse, default_value = "edof-t4w12", long_help = form::help())]
     form: Form,
 
     /// Make an extreme network that fits this design: tiny, paper, kc705, or a JSON file

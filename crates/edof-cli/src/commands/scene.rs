@@ -3,15 +3,15 @@
 use crate::error::Error;
 use crate::files::Files;
 use crate::lens::{self, Depth, Lens};
-use crate::memory;
 use crate::said;
 use crate::ui::Ui;
+use edof::job::{JobError, Synthetic};
 use edof_core::Tone;
 use edof_core::camera::Camera;
 use edof_core::words::{count, number};
 use edof_io::raw::Size;
+use edof_optics::Scene;
 use edof_optics::draw::{self, DrawError, four_depths};
-use edof_optics::scene::Scene;
 use edof_study::report::picture::png;
 use ndarray::Array2;
 use serde::Serialize;
@@ -47,17 +47,6 @@ pub struct Args {
 
 /// Size of a built-in scene where none was given.
 const SIZE: Size = Size { width: 768, height: 512 };
-/// Bytes per pixel that drawing, blurring and reconstructing a scene at four depths take: a generous guess, not a measurement.
-const BYTES_A_PIXEL: f64 = 200.0;
-
-/// Rejects a scene that this machine has no room for.
-///
-/// # Errors
-/// One line with the size, what it needs and what is free.
-pub fn fits(width: usize, height: usize) -> Result<(), Error> {
-    memory::check(&format!("scene {width}x{height}"), BYTES_A_PIXEL * width as f64 * height as f64)
-}
-
 /// How a built-in scene is made.
 #[derive(clap::Args)]
 pub struct Drawing {
@@ -105,7 +94,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     Files::new(ui).reads_all(files).writes_into("--out", &args.out, FILES).check()?;
     ui.used(camera.input());
     let camera = args.drawing.before(camera)?;
-    let scene = args.drawing.draw(&args.scene, &camera)?;
+    let scene = args.drawing.scene(&args.scene, &camera)?;
+    let scene = scene.draw().map_err(|e| args.drawing.failed(e))?;
     scene.check()?;
     let files = FILES.map(|name| args.out.join(name));
     let sharp = scene.sharp();
@@ -145,11 +135,11 @@ impl Drawing {
     /// The built-in scene of that name, its depths spread over the camera's range where none were given.
     ///
     /// # Errors
-    /// An unknown scene, an impossible size or number of depths.
-    pub fn draw(&self, name: &str, camera: &Camera) -> Result<Scene, Error> {
+    /// An unknown scene, or another number of depths than it has.
+    pub fn scene(&self, name: &str, camera: &Camera) -> Result<Synthetic, Error> {
         let (kind, depths) = draw::parse_name(name)?;
         let range = camera.psi_range;
-        let psis = match (&self.psis(camera)?[..], depths) {
+        let psi = match (&self.psis(camera)?[..], depths) {
             ([], 1) => vec![0.5 * (range[0] + range[1])],
             ([], _) => four_depths(range).to_vec(),
             (given, _) if given.len() == depths => given.to_vec(),
@@ -160,12 +150,17 @@ impl Drawing {
                 )));
             }
         };
-        let Size { width, height } = self.size.unwrap_or(SIZE);
-        fits(width, height)?;
-        draw::draw(kind, height, width, &psis, self.seed).map_err(|e| match (e, self.size) {
-            (e @ DrawError::Size { .. }, Some(size)) => said::instead(&format!("--size {size}"), &e),
+        Ok(Synthetic { kind, size: self.size.unwrap_or(SIZE), psi, seed: self.seed })
+    }
+
+    /// A failure of the scene, by the option that it is about.
+    pub fn failed(&self, error: JobError) -> Error {
+        match (error, self.size) {
+            (JobError::Draw(e @ DrawError::Size { .. }), Some(size)) => {
+                said::instead(&format!("--size {size}"), &e)
+            }
             (e, _) => e.into(),
-        })
+        }
     }
 }
 

@@ -1,9 +1,7 @@
 //! Which cameras can be computed.
 
-use super::{
-    Aberration, CUT_OFF_PIXELS, Camera, CameraError, Delay, FASTEST, HeightMap, MAX_HEIGHT_UM, MAX_NOLL,
-    MAX_POINTS, MAX_PSI, MAX_RINGS, MAX_RMS_NM, Profile, Spectrum,
-};
+use super::mask::phase::WAVELENGTH_NM;
+use super::{CUT_OFF_PIXELS, Camera, CameraError, FASTEST, MAX_PSI, MAX_TERMS, PhaseTerm, Spectrum, Wrong};
 use crate::storage::name;
 use crate::words::{number, numbers};
 use std::ops::RangeInclusive;
@@ -12,23 +10,26 @@ use std::ops::RangeInclusive;
 const LENGTH_MM: RangeInclusive<f64> = 0.01..=1e5;
 const RADIUS_MM: RangeInclusive<f64> = 0.001..=5e4;
 const PITCH_UM: RangeInclusive<f64> = 0.01..=1000.0;
-/// From ultraviolet to thermal infrared.
-const WAVELENGTH_NM: RangeInclusive<f64> = 100.0..=30_000.0;
 const OF_LIGHT: &str = "a wavelength of 100 to 30000 nm";
 /// Distances of objects.
 const DISTANCE_M: RangeInclusive<f64> = 1e-4..=1e9;
 /// Weights of wavelengths, whatever their unit.
 const WEIGHT: RangeInclusive<f64> = 0.0..=1e9;
 const LEAST_WEIGHT: f64 = 1e-9;
-/// Most phase of a mask either way.
-const MAX_RAD: f64 = 10_000.0;
-
-/// Whether n(λ) can be a material's: [`Delay::Etched`].
-fn is_glass([constant, slope]: [f64; 2]) -> bool {
-    (0.1..=10.0).contains(&constant) && slope.abs() <= 10.0
-}
-
 impl Spectrum {
+    /// As a camera file has it.
+    fn in_words(&self) -> String {
+        match self {
+            Self::Line(nm) => number(*nm),
+            Self::Sampled(pairs) if pairs.is_empty() => "an empty list".to_owned(),
+            Self::Sampled(pairs) => {
+                let shown: Vec<String> =
+                    pairs.iter().take(4).map(|pair| format!("[{}]", numbers(pair))).collect();
+                format!("[{}{}]", shown.join(", "), if pairs.len() > 4 { ", …" } else { "" })
+            }
+        }
+    }
+
     fn is_of_light(&self) -> bool {
         match self {
             Self::Line(nm) => WAVELENGTH_NM.contains(nm),
@@ -85,71 +86,24 @@ impl Camera {
         self.check_mask()
     }
 
-    /// Whether rings, profile, height map and aberrations are such as can be computed.
+    /// Whether mask, aberrations and PSF bank are such as can be computed.
     fn check_mask(&self) -> Result<(), CameraError> {
-        let refuse = |field, value: String, expected| {
-            Err(CameraError::Value { camera: self.name.clone(), field, value, expected })
+        let wrong = |Wrong { field, value, expected }| CameraError::Value {
+            camera: self.name.clone(),
+            field,
+            value,
+            expected,
         };
-        if self.rings.len() > MAX_RINGS {
-            return refuse("rings", format!("{} of them", self.rings.len()), "64 at most");
+        let terms = self.mask.terms().len();
+        if terms > MAX_TERMS {
+            let field = if self.mask.rings().count() > MAX_TERMS { "rings" } else { "mask" };
+            return Err(wrong(Wrong { field, value: format!("{terms} of them"), expected: "64 at most" }));
         }
-        for ring in &self.rings {
-            if !(0.0 <= ring.inner && ring.inner < ring.outer && ring.outer <= 1.0) {
-                let found = format!("{} to {}", number(ring.inner), number(ring.outer));
-                return refuse("rings", found, "0 <= inner < outer <= 1");
-            }
-            let (is_possible, expected) = match ring.delay {
-                Delay::Phase { rad, at_nm } => (
-                    rad.abs() <= MAX_RAD && WAVELENGTH_NM.contains(&at_nm),
-                    "at most 10000 rad either way, at 100 to 30000 nm",
-                ),
-                Delay::Etched { height_um, cauchy } => (
-                    height_um.abs() <= MAX_HEIGHT_UM && is_glass(cauchy),
-                    "at most 100 um either way, in glass of [0.1 to 10, -10 to 10]",
-                ),
-            };
-            if !is_possible {
-                return refuse("rings", ring.delay.in_words(), expected);
-            }
-        }
-        if let Some(Profile { at_nm, points }) = &self.profile {
-            let possible = points.iter().all(|point| point[1].abs() <= MAX_RAD);
-            let inside = points.iter().all(|point| (0.0..=1.0).contains(&point[0]));
-            let ascending = points.windows(2).all(|pair| pair[0][0] < pair[1][0]);
-            let sized = (1..=MAX_POINTS).contains(&points.len()) && WAVELENGTH_NM.contains(at_nm);
-            if !(possible && inside && ascending && sized) {
-                let found = format!("{} points at {} nm", points.len(), number(*at_nm));
-                return refuse(
-                    "profile",
-                    found,
-                    "1 to 4096 [radius 0 to 1, radians] pairs of ascending radius and at most 10000 rad, at 100 to 30000 nm",
-                );
-            }
-        }
-        if let Some(HeightMap { white_um, cauchy, .. }) = &self.height_map
-            && !((1e-4..=MAX_HEIGHT_UM).contains(white_um) && is_glass(*cauchy))
-        {
-            let found = format!("{} um of {}", number(*white_um), numbers(cauchy));
-            return refuse(
-                "height_map",
-                found,
-                "more than 0: 0.0001 to 100 um, in glass of [0.1 to 10, -10 to 10]",
-            );
-        }
-        for (field, file) in [
-            ("psf_bank.file", self.psf_bank.as_ref().map(|bank| &bank.file)),
-            ("height_map.file", self.height_map.as_ref().map(|map| &map.file)),
-        ] {
-            if file.is_some_and(String::is_empty) {
-                return refuse(field, "empty".to_owned(), "the name of a file, as seen from the camera file");
-            }
-        }
-        let wrong = |a: &&Aberration| {
-            !((2..=MAX_NOLL).contains(&a.noll) && a.rms_nm.is_finite() && a.rms_nm.abs() <= MAX_RMS_NM)
-        };
-        if let Some(Aberration { noll, rms_nm }) = self.aberrations.iter().find(wrong) {
-            let found = format!("noll {noll} of {} nm", number(*rms_nm));
-            return refuse("aberrations", found, "Noll's indices 2 to 66, and at most 10000 nm either way");
+        self.mask.terms().iter().try_for_each(|term| term.check()).map_err(wrong)?;
+        self.aberrations.check().map_err(|error| wrong(Wrong { field: "aberrations", ..error }))?;
+        if self.psf_bank.as_ref().is_some_and(|bank| bank.file.is_empty()) {
+            let expected = "the name of a file, as seen from the camera file";
+            return Err(wrong(Wrong { field: "psf_bank.file", value: "empty".to_owned(), expected }));
         }
         Ok(())
     }

@@ -3,8 +3,9 @@
 //!
 //! | what | module |
 //! |---|---|
-//! | user-supplied PSFs in place of computed ones | [`psf_bank`] |
-//! | a mask given by the height of its surface | [`height_map`] |
+//! | lens, focus, sensor | [`Camera`] |
+//! | the mask: rings, profiles, height maps, … | [`Mask`], [`Term`], [`PhaseTerm`] |
+//! | user-supplied PSFs in place of computed ones | [`PsfBank`] |
 //!
 //! ```
 //! let camera = edof_core::Camera::resolve("ring-2018")?;
@@ -17,12 +18,16 @@
 //! Stable: the fields of camera files and PSF banks; new ones are optional. Signatures may change between minor versions until 1.0.
 
 mod checks;
-pub mod height_map;
-pub mod psf_bank;
-mod words;
+mod file;
+mod mask;
+mod psf_bank;
 
-use crate::camera::height_map::{HeightMap, etched_rad};
-use crate::camera::psf_bank::{BankError, PsfBank};
+pub use mask::glass::etched_rad;
+pub use mask::height_map::HeightMapError;
+pub use mask::phase::{Change, Function, Parameter, PhaseTerm, Place, Symmetry, Wrong};
+pub use mask::{Aberration, Delay, HeightMap, Mask, Profile, Ring, Term, Zernike};
+pub use psf_bank::{BankError, Kernels, KernelsError, PsfBank};
+
 use crate::cfa::Channel;
 use crate::storage::json;
 use crate::storage::provenance::{Input, InputKind};
@@ -30,8 +35,8 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Most rings of a mask.
-const MAX_RINGS: usize = 64;
+/// Most terms of a mask.
+const MAX_TERMS: usize = 64;
 /// Smallest F-number that there is in air.
 const FASTEST: f64 = 0.5;
 /// Least and most pixels that a wavelength times the F-number may be.
@@ -43,7 +48,7 @@ const MAX_BYTES: u64 = 1 << 20;
 
 /// Everything that decides how a point at a given depth falls on the sensor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(from = "file::CameraFile", into = "file::CameraFile")]
 pub struct Camera {
     /// Short name, as in `ring-2018`.
     pub name: String,
@@ -62,23 +67,14 @@ pub struct Camera {
     /// ψ at which the lens is focused (the clear aperture's sharpest depth).
     pub focus_psi: f64,
     /// Distance in metres at which ψ is zero, where the camera knows it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nominal_m: Option<f64>,
     /// Range of ψ that the camera is meant for.
     pub psi_range: [f64; 2],
-    /// Rings of the phase mask; none for a clear aperture.
-    pub rings: Vec<Ring>,
-    /// A phase of the mask that changes smoothly with the radius, besides its rings.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub profile: Option<Profile>,
-    /// A mask of any shape, besides its rings.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub height_map: Option<HeightMap>,
+    /// The phase mask; without terms for a clear aperture.
+    pub mask: Mask,
     /// What the lens does besides focusing.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub aberrations: Vec<Aberration>,
+    pub aberrations: Zernike,
     /// PSFs of the user in place of those that follow from lens and mask.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub psf_bank: Option<PsfBank>,
     /// Where the numbers come from and how sure we are.
     pub source: String,
@@ -145,91 +141,6 @@ impl From<Sign> for i8 {
     }
 }
 
-/// A ring of the mask between two normalised pupil radii.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Ring {
-    /// Inner radius, 0…1.
-    pub inner: f64,
-    /// Outer radius, 0…1.
-    pub outer: f64,
-    /// What the ring does to the phase.
-    pub delay: Delay,
-}
-
-/// Phase delay of a ring.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Delay {
-    /// Stated as a phase: at λ it is `rad`·`at_nm`/λ.
-    Phase {
-        /// Radians.
-        rad: f64,
-        /// Wavelength in nanometres for which they are stated.
-        at_nm: f64,
-    },
-    /// Etched height: the phase is 2π·height·(n(λ) − 1)/λ.
-    Etched {
-        /// Height in micrometres.
-        height_um: f64,
-        /// n(λ) = `cauchy[0]` + `cauchy[1]`/λ² with λ in micrometres.
-        cauchy: [f64; 2],
-    },
-}
-
-impl Delay {
-    /// Phase in radians at `wavelength_nm`.
-    #[must_use]
-    pub fn phase_rad(self, wavelength_nm: f64) -> f64 {
-        match self {
-            Self::Phase { rad, at_nm } => rad * at_nm / wavelength_nm,
-            Self::Etched { height_um, cauchy } => etched_rad(height_um, cauchy, wavelength_nm),
-        }
-    }
-}
-
-/// Phase of a rotationally symmetric mask over the normalised pupil radius, linear between its points and constant beyond them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Profile {
-    /// Wavelength in nanometres for which the phase is stated; at λ it is `at_nm`/λ of it.
-    pub at_nm: f64,
-    /// Pairs of radius 0…1, ascending, and radians.
-    pub points: Vec<[f64; 2]>,
-}
-
-impl Profile {
-    /// Phase in radians at a radius, at `wavelength_nm`.
-    #[must_use]
-    pub fn phase_rad(&self, rho: f64, wavelength_nm: f64) -> f64 {
-        let after = self.points.partition_point(|point| point[0] < rho);
-        let rad = match (after.checked_sub(1).map(|i| self.points[i]), self.points.get(after)) {
-            (Some([r0, a]), Some(&[r1, b])) => a + (b - a) * (rho - r0) / (r1 - r0),
-            (Some([_, end]), None) | (None, Some(&[_, end])) => end,
-            (None, None) => 0.0,
-        };
-        rad * self.at_nm / wavelength_nm
-    }
-}
-
-/// A Zernike term of the wavefront in Noll's order and normalisation (Noll 1976), over the aperture.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Aberration {
-    /// Noll's index: 2 and 3 tilt, 4 defocus, 5 and 6 astigmatism, 7 and 8 coma, 9 and 10 trefoil, 11 spherical, ….
-    pub noll: u32,
-    /// Root mean square of the optical path in nanometres; its sign is the term's.
-    pub rms_nm: f64,
-}
-
-/// The largest of Noll's indices that is taken, and the largest path in nanometres.
-const MAX_NOLL: u32 = 66;
-const MAX_RMS_NM: f64 = 10_000.0;
-/// The highest mask, micrometres.
-pub const MAX_HEIGHT_UM: f64 = 100.0;
-/// Most points of a profile.
-const MAX_POINTS: usize = 4096;
-
 /// A camera that cannot be read, or could not be built.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
@@ -238,8 +149,8 @@ pub enum CameraError {
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
     /// The text is no camera.
-    #[error("{origin}: not a camera: {}", json::words(source))]
-    Parse { origin: String, source: serde_json::Error },
+    #[error("{origin}: not a camera: {source}")]
+    Parse { origin: String, source: json::JsonError },
     /// What is wrong with the camera of a file.
     #[error("{origin}: {source}")]
     File { origin: String, source: Box<CameraError> },
@@ -346,10 +257,29 @@ impl Camera {
         renamed == *other
     }
 
-    /// Whether there is a mask in its pupil.
+    /// Whether there is no mask in the pupil; the lens may have aberrations.
     #[must_use]
-    pub const fn has_mask(&self) -> bool {
-        !self.rings.is_empty() || self.profile.is_some() || self.height_map.is_some()
+    pub fn is_clear(&self) -> bool {
+        self.mask.terms().is_empty()
+    }
+
+    /// Returns the same lens without its mask, and without PSFs of its own, which are those of the mask.
+    #[must_use]
+    pub fn without_mask(&self) -> Self {
+        Self { mask: Mask::default(), psf_bank: None, ..self.clone() }
+    }
+
+    /// The terms of the wavefront: those of the mask, then the lens's aberrations. Their phases add.
+    pub fn terms(&self) -> impl Iterator<Item = &dyn PhaseTerm> {
+        let lens = (!self.aberrations.is_empty()).then_some(&self.aberrations as &dyn PhaseTerm);
+        self.mask.terms().iter().map(|term| &**term).chain(lens)
+    }
+
+    /// Returns what leaves the wavefront as it is.
+    #[must_use]
+    pub fn symmetry(&self) -> Symmetry {
+        let is_round = self.terms().all(|term| term.symmetry() == Symmetry::Round);
+        if is_round { Symmetry::Round } else { Symmetry::None }
     }
 
     /// Fields in which the lens, mask or sensor of two cameras differ; empty where [`Camera::same_lens`].
@@ -370,20 +300,21 @@ impl Camera {
     #[must_use]
     pub fn in_words(&self) -> String {
         let bank = self.psf_bank.as_ref().map(|bank| format!(" with the PSFs of {}", bank.file));
-        let map = self.height_map.as_ref().map(|map| format!(" with the mask of {}", map.file));
-        format!("{}{}{}", self.name, bank.unwrap_or_default(), map.unwrap_or_default())
-    }
-
-    /// Whether the pupil looks the same whichever way it is turned, so that all PSFs are even.
-    #[must_use]
-    pub const fn is_round(&self) -> bool {
-        self.aberrations.is_empty() && self.height_map.is_none()
+        let maps: String =
+            self.mask.height_maps().map(|map| format!(" with the mask of {}", map.file)).collect();
+        format!("{}{}{maps}", self.name, bank.unwrap_or_default())
     }
 
     /// Focal length over aperture diameter.
     #[must_use]
     pub fn f_number(&self) -> f64 {
         self.focal_length_mm / (2.0 * self.aperture_radius_mm)
+    }
+
+    /// λ·F# in micrometres: the PSF's unit of length; 1/(λF#) is the cut-off frequency.
+    #[must_use]
+    pub fn wave_um(&self, nm: f64) -> f64 {
+        nm * 1e-3 * self.f_number()
     }
 
     /// What a channel's filter passes.

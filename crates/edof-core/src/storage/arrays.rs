@@ -50,7 +50,7 @@ pub fn read(path: &Path) -> Result<BTreeMap<String, ArrayD<f64>>, ArraysError> {
     file.read_to_end(&mut bytes).map_err(failed)?;
     let arrays = if bytes.starts_with(b"PK") {
         of_npz(&bytes)
-    } else if bytes.starts_with(NPY) {
+    } else if is_npy(&bytes) {
         of_npy(&bytes, path)
     } else {
         of_safetensors(&bytes)
@@ -66,7 +66,7 @@ const CUT: &str = "its list of arrays is missing, which is at its end: the file 
 
 fn of_npy(bytes: &[u8], path: &Path) -> Result<Arrays, String> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(npy(bytes)?.map(|array| (name, array)).into_iter().collect())
+    Ok(npy(bytes)?.map(|array| (name, array.values)).into_iter().collect())
 }
 
 fn of_npz(bytes: &[u8]) -> Result<Arrays, String> {
@@ -86,7 +86,7 @@ fn of_npz(bytes: &[u8]) -> Result<Arrays, String> {
         }
         let content = unpacked(entry, &mut room).map_err(|reason| format!("{name}: {reason}"))?;
         if let Some(array) = npy(&content).map_err(|reason| format!("{name}: {reason}"))? {
-            arrays.insert(name, array);
+            arrays.insert(name, array.values);
         }
     }
     Ok(arrays)
@@ -197,8 +197,26 @@ fn of_safetensors(bytes: &[u8]) -> Result<Arrays, String> {
     file.tensors().into_iter().filter_map(array).collect()
 }
 
-/// One array as NumPy's format 1 to 3 has it; none where its elements are no numbers.
-fn npy(bytes: &[u8]) -> Result<Option<ArrayD<f64>>, String> {
+/// The array of an NPY file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Npy {
+    /// Its numbers.
+    pub values: ArrayD<f64>,
+    /// Bytes of a number in the file.
+    pub bytes: usize,
+}
+
+/// Returns whether bytes begin as an NPY file does.
+#[must_use]
+pub fn is_npy(bytes: &[u8]) -> bool {
+    bytes.starts_with(NPY)
+}
+
+/// Reads an array in NumPy's format 1 to 3. Returns `None` if its elements are not real numbers.
+///
+/// # Errors
+/// What is damaged.
+pub fn npy(bytes: &[u8]) -> Result<Option<Npy>, String> {
     let damaged = || "no whole NPY array".to_owned();
     let length = |n: usize| {
         let field = bytes.get(8..8 + n)?;
@@ -221,7 +239,8 @@ fn npy(bytes: &[u8]) -> Result<Option<ArrayD<f64>>, String> {
     let sides = shape.split(',').map(str::trim).filter(|side| !side.is_empty());
     let shape: Vec<usize> = sides.map(str::parse).collect::<Result<_, _>>().map_err(|_| damaged())?;
     let fortran = field("fortran_order").is_some_and(|text| text.starts_with("True"));
-    number.array(&shape, fortran, &bytes[end..]).map(Some)
+    let values = number.array(&shape, fortran, &bytes[end..])?;
+    Ok(Some(Npy { values, bytes: number.bytes }))
 }
 
 /// How a number is written.

@@ -2,6 +2,7 @@
 
 use crate::storage::input;
 use serde::de::DeserializeOwned;
+use std::fmt;
 use std::io::{Error, ErrorKind, Read};
 use std::path::Path;
 
@@ -27,12 +28,43 @@ pub fn text(path: &Path, max: u64) -> Result<String, Error> {
     })
 }
 
-/// A value of JSON text, a byte-order mark before it passed over.
+/// JSON text without the value that is expected: the field, what is wrong with it, and its place.
+#[derive(Debug, thiserror::Error)]
+pub struct JsonError {
+    /// Names from the outside to the inside, as in `stages[0].lanes`; empty for the whole text.
+    field: String,
+    source: serde_json::Error,
+}
+
+impl fmt::Display for JsonError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let gap = if self.field.is_empty() { "" } else { ": " };
+        write!(f, "{}{gap}{}", self.field, words(&self.source))
+    }
+}
+
+impl JsonError {
+    fn new(path: &serde_path_to_error::Path, source: serde_json::Error) -> Self {
+        let path = path.to_string();
+        let (outside, inside) = path.rsplit_once('.').unwrap_or(("", &path));
+        // The reason names a field that is unknown or there twice.
+        let field = if reason(&source).contains(&format!(" field `{inside}`")) { outside } else { &path };
+        Self { field: field.trim_start_matches('.').to_owned(), source }
+    }
+}
+
+/// Reads a value from JSON text, with or without a byte-order mark.
 ///
 /// # Errors
-/// As [`serde_json::from_str`]; [`words`] has them in plain words.
-pub fn parse<T: DeserializeOwned>(text: &str) -> Result<T, serde_json::Error> {
-    serde_json::from_str(text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text))
+/// The first field whose value is not the expected one.
+pub fn parse<T: DeserializeOwned>(text: &str) -> Result<T, JsonError> {
+    let mut reader = serde_json::Deserializer::from_str(text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text));
+    let value = serde_path_to_error::deserialize(&mut reader).map_err(|e| {
+        let path = e.path().clone();
+        JsonError::new(&path, e.into_inner())
+    })?;
+    reader.end().map_err(|source| JsonError { field: String::new(), source })?;
+    Ok(value)
 }
 
 /// A limit of bytes as people write it.
@@ -153,25 +185,26 @@ mod tests {
     }
 
     const NO_VALUE: &str =
-        "no JSON value (texts need quotes; NaN and Infinity are not JSON), at line 1 column 10";
+        "size: no JSON value (texts need quotes; NaN and Infinity are not JSON), at line 1 column 10";
     /// A whole value, and text that an editor left after it.
     const WHOLE_AND_MORE: &str = "{\"size\": 1, \"pair\": [1, 2], \"kind\": \"big\", \"names\": []}\n }";
 
     fn refused(text: &str) -> String {
-        words(&parse::<Thing>(text).unwrap_err())
+        parse::<Thing>(text).unwrap_err().to_string()
     }
 
     #[test]
     fn words_of_an_error_name_no_type_of_rust() {
         for (text, told) in [
+            ("{\"names\": [\"a\", 2]}", "names[1]: 2, expected a text, at line 1 column 17"),
             ("[]", "a list of 0, expected an object, at line 1 column 2"),
             ("3", "3, expected an object, at line 1 column 1"),
-            ("{\"size\": -1}", "-1, expected a whole number of 0 or more, at line 1 column 11"),
-            ("{\"size\": 1.5}", "1.5, expected a whole number of 0 or more, at line 1 column 12"),
-            ("{\"pair\": [1]}", "a list of 1, expected a list of 2, at line 1 column 12"),
-            ("{\"pair\": {}}", "an object, expected a list of 2, at line 1 column 9"),
-            ("{\"kind\": \"small\"}", "unknown value `small`, expected `big`, at line 1 column 16"),
-            ("{\"names\": \"x\"}", "the text \"x\", expected a list, at line 1 column 13"),
+            ("{\"size\": -1}", "size: -1, expected a whole number of 0 or more, at line 1 column 11"),
+            ("{\"size\": 1.5}", "size: 1.5, expected a whole number of 0 or more, at line 1 column 12"),
+            ("{\"pair\": [1]}", "pair: a list of 1, expected a list of 2, at line 1 column 12"),
+            ("{\"pair\": {}}", "pair: an object, expected a list of 2, at line 1 column 9"),
+            ("{\"kind\": \"small\"}", "kind: unknown value `small`, expected `big`, at line 1 column 16"),
+            ("{\"names\": \"x\"}", "names: the text \"x\", expected a list, at line 1 column 13"),
             ("", "ends too early: the file is empty"),
             ("{\"size\": NaN", NO_VALUE),
             (WHOLE_AND_MORE, "extra text after the end of the JSON, at line 2 column 2"),

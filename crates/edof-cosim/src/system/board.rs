@@ -13,7 +13,7 @@ use edof_board::line::{BITS_PER_BYTE, Line, line_time};
 use edof_board::terminal::Device;
 use edof_core::RawFrame;
 use edof_device::Design;
-use edof_device::board::CORE_KILOHERTZ;
+use edof_device::board::Board;
 use edof_golden::video::video_out::BLACK_PIXEL;
 use edof_golden::{Display, Golden};
 use edof_hdl::project::Project;
@@ -24,6 +24,8 @@ use std::time::Duration;
 /// How fast a line is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Speed {
+    /// The core's clock in kilohertz.
+    core_khz: u32,
     /// Cycles of the core's clock that a bit takes.
     pub cycles_per_bit: u16,
     /// Cycles of a pause after which a frame is given up. On the board 100 ms; a simulation takes a minute for that.
@@ -31,24 +33,24 @@ pub struct Speed {
 }
 
 impl Speed {
-    /// A line with the given bits per second. Its time-out fits a host on the other side of a pseudo-terminal: the pause that such a host makes is some ten thousand cycles of a simulation.
+    /// Returns a board's line with the given bits per second. Its time-out fits a host on the other side of a pseudo-terminal: the pause that such a host makes is some ten thousand cycles of a simulation.
     ///
     /// # Errors
     /// A speed that the core's clock cannot make.
-    pub fn of(baud: u32) -> Result<Self, Error> {
-        let clock = 1000 * CORE_KILOHERTZ;
+    pub fn of(board: &Board, baud: u32) -> Result<Self, Error> {
+        let clock = 1000 * board.core_khz;
         let cycles = clock.checked_div(baud).unwrap_or(0);
         if !(MIN_CYCLES..=MAX_CYCLES).contains(&cycles) {
             return Err(Error::Speed { baud, min: clock.div_ceil(MAX_CYCLES), max: clock / MIN_CYCLES });
         }
         let time_out = TIME_OUT.max(BYTES_OF_TIME_OUT * BITS_PER_BYTE * cycles);
-        Ok(Self { cycles_per_bit: cycles as u16, time_out })
+        Ok(Self { core_khz: board.core_khz, cycles_per_bit: cycles as u16, time_out })
     }
 
     /// Bits per second.
     #[must_use]
     pub fn baud(self) -> u32 {
-        1000 * CORE_KILOHERTZ / u32::from(self.cycles_per_bit)
+        1000 * self.core_khz / u32::from(self.cycles_per_bit)
     }
 }
 

@@ -10,12 +10,10 @@ use edof_board::chip_models::{Bus, Imageon, Kc705, Lines, Pulls, Wires};
 use edof_board::line::Line;
 use edof_core::storage::atomic::WorkFolder;
 use edof_device::Design;
-use edof_device::board::CORE_KILOHERTZ;
-use edof_device::registers::identity::{design_hash, weights_hash};
+use edof_device::board::KC705;
 use edof_golden::Display;
 use edof_golden::video::figures::Periods;
-use edof_hdl::board::{EdofCore, Identity, Kc705Core, Pace};
-use edof_hdl::kc705::table_images;
+use edof_hdl::board::{Identity, Kc705Core, Pace};
 use edof_hdl::project::{Project, ProjectError, images, of_circuit, spacious};
 use edof_network::FixedNetwork;
 use std::cell::RefCell;
@@ -37,14 +35,12 @@ const AT_ONCE: usize = 64;
 pub fn project(design: &Design, network: &FixedNetwork, display: &Display) -> Result<Project, ProjectError> {
     let words = TableWords::of(display);
     let tables = words.tables();
-    let frame = (design.frame.width as u16, design.frame.height as u16);
-    let identity =
-        Identity { design_hash: design_hash(design), weights_hash: weights_hash(design, network), frame };
+    let identity = Identity::of(design, network);
     let sets = [network, network];
     spacious(|| {
-        let core = EdofCore::new(design, sets, &identity, tables.luma, tables.colours)?;
-        let files = images(design, sets).into_iter().chain(table_images(&tables, design.frame)).collect();
-        Ok(of_circuit(&mut Kc705Core::new(core, design.frame, &PACE), files)?)
+        let mut core = Kc705Core::new(design, sets, &identity, &tables, &PACE)?;
+        let files = images(design, sets).into_iter().chain(tables.images(design)).collect();
+        Ok(of_circuit(&mut core, files)?)
     })
 }
 
@@ -302,7 +298,7 @@ impl Line for Cables {
     }
 
     fn baud(&self) -> u32 {
-        1000 * CORE_KILOHERTZ / u32::from(PACE.cycles_per_bit)
+        1000 * KC705.core_khz / u32::from(PACE.cycles_per_bit)
     }
 
     fn time(&self) -> Duration {

@@ -8,9 +8,9 @@ use crate::{Error, Source, work};
 use edof_board::chip_models::{Delays, Imageon, Kc705, LowHotPlug, Pulls, Screen, Wires};
 use edof_board::simulated::chips::cable;
 use edof_core::storage::atomic::WorkFolder;
-use edof_device::board::I2C_IMAGES;
+use edof_device::board::{KC705, Setup};
 use edof_device::design::FrameSize;
-use edof_device::i2c::{self, Entry, image};
+use edof_device::i2c::{Entry, image};
 use edof_device::video::VideoTiming;
 use edof_hdl::board::{ChipSetup, EmbeddedSyncs, Pace};
 use edof_hdl::crossing::reset_sync::RESET_CYCLES;
@@ -19,7 +19,7 @@ use std::fs;
 /// Cycles of the core in one of theirs: they are models of their own, and what they tell the core stands for long.
 const CYCLES: u64 = 4;
 /// So short bits and milliseconds that a set-up takes some hundred thousand cycles of the core.
-const PACE: Pace = Pace { i2c_quarter: 4, millisecond: 20, ..Pace::BOARD };
+const PACE: Pace = Pace { i2c_quarter: 4, millisecond: 20, ..Pace::of(&KC705) };
 /// Registers of the map that the card's slots are, and that of the board's.
 const SLOTS: [usize; 3] = [0, 1, 2];
 
@@ -37,12 +37,13 @@ struct Engine {
 impl Engine {
     fn new(
         program: &[Entry],
-        bus: usize,
+        image: &'static str,
+        is_card: bool,
         folder: &WorkFolder,
         seed: u64,
         options: &Options,
     ) -> Result<Self, Error> {
-        let source = Source::circuit(&mut ChipSetup::new(&PACE, program, I2C_IMAGES[bus], bus == 1))?;
+        let source = Source::circuit(&mut ChipSetup::new(&PACE, program, image, is_card))?;
         let library = Library::build(&source, options)?;
         let start = Start { seed, memory_dir: Some(folder.path().to_path_buf()) };
         let port = |name: &str| source.port(name);
@@ -89,7 +90,8 @@ impl Engine {
 /// Engines, chips, and the ends of their cables.
 pub struct Chips {
     clock: ClockId,
-    engines: [Engine; 2],
+    /// On the board's bus, and on the card's.
+    engines: Vec<Engine>,
     /// The board's chips; their screen is plugged in.
     pub board: Kc705,
     /// The card's.
@@ -121,12 +123,17 @@ impl Chips {
         options: &Options,
     ) -> Result<Self, Error> {
         let images = work::folder()?;
-        let programs = i2c::programs(VideoTiming::on_the_cable(frame));
-        for (path, program) in I2C_IMAGES.iter().zip(&programs) {
-            let path = images.path().join(path);
+        let mode = VideoTiming::on_the_cable(frame);
+        let program = |setup: &Setup| (setup.program)(mode);
+        for setup in KC705.setups() {
+            let path = images.path().join(setup.image);
             path.parent().map_or(Ok(()), fs::create_dir_all).map_err(at(&path))?;
-            fs::write(&path, image(program)).map_err(at(&path))?;
+            fs::write(&path, image(&program(setup))).map_err(at(&path))?;
         }
+        let engine = |(setup, is_card): (&Setup, bool)| {
+            Engine::new(&program(setup), setup.image, is_card, &images, seed, options)
+        };
+        let engines = KC705.setups().zip([false, true]).map(engine);
         let syncs = Source::circuit(&mut EmbeddedSyncs::default())?;
         let of_syncs = ["reset_i", "data_i", "codes_o", "malformed_o"].map(|name| syncs.port(name));
         let mut board = Kc705::new(Delays::NONE, LowHotPlug::HoldsDefaults);
@@ -151,10 +158,7 @@ impl Chips {
         ];
         Ok(Self {
             clock,
-            engines: [
-                Engine::new(&programs[0], 0, &images, seed, options)?,
-                Engine::new(&programs[1], 1, &images, seed, options)?,
-            ],
+            engines: engines.collect::<Result<_, _>>()?,
             board,
             card,
             syncs: Library::build(&syncs, options)?.start(&Start { seed, ..Start::default() })?,

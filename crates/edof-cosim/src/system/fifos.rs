@@ -1,8 +1,8 @@
 //! The FIFOs of a core: how full each may get, ahead of a run, and how full it was.
 
 use crate::bench::Mark;
-use edof_device::board::{AGENT_WORDS, BURST_WORDS, CROSSING_PIXELS, WORD_PIXELS};
-use edof_device::fifos::{agent_words, crossing_words};
+use edof_device::board::Memory;
+use edof_device::fifos::{CROSSING_PIXELS, agent_words, crossing_words};
 use edof_golden::video::figures::Periods;
 use edof_hdl::project::Project;
 use edof_hdl::video::queue;
@@ -58,19 +58,20 @@ pub(super) fn marks(core: &Project) -> Vec<Mark> {
     crossings.chain(agents).chain(QUEUES.iter().filter(there).map(queue)).collect()
 }
 
-/// Largest fill of a FIFO by the model, and its capacity, with these clocks and a memory that was `late` cycles late.
-pub(super) fn limit(name: &str, periods: Periods, late: u64) -> (usize, usize) {
+/// Largest fill of a FIFO by the model, and its capacity, with this memory (`late` cycles late) and these clocks.
+pub(super) fn limit(name: &str, memory: &Memory, periods: Periods, late: u64) -> (usize, usize) {
     let pixel_cycles = |period: u64| (period / periods.core).max(1);
-    let word = |pixel_cycles: u64| WORD_PIXELS as u64 * pixel_cycles;
-    let writer = |cycles: u64| agent_words(BURST_WORDS, late, word(cycles)).min(AGENT_WORDS);
+    let capacity = memory.agent_words();
+    let word = |pixel_cycles: u64| memory.word_pixels() as u64 * pixel_cycles;
+    let writer = |cycles: u64| agent_words(memory.burst_words, late, word(cycles)).min(capacity);
     match name {
         "input_fifo" => (crossing_words(periods.input, periods.core), CROSSING_PIXELS),
         // Full whenever the reader is slower.
         "output_fifo" | "raw_fifo" | "picture_fifo" => (CROSSING_PIXELS, CROSSING_PIXELS),
-        "raw_writer" => (writer(pixel_cycles(periods.input)), AGENT_WORDS),
-        "picture_writer" => (writer(1), AGENT_WORDS),
+        "raw_writer" => (writer(pixel_cycles(periods.input)), capacity),
+        "picture_writer" => (writer(1), capacity),
         // Readers request as much as they have space for.
-        "raw_reader" | "picture_reader" => (AGENT_WORDS, AGENT_WORDS),
+        "raw_reader" | "picture_reader" => (capacity, capacity),
         _ => (queue::DEPTH, queue::DEPTH),
     }
 }

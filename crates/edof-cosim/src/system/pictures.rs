@@ -9,7 +9,7 @@ use edof_device::design::FrameSize;
 use edof_golden::gamma::ColourTable;
 use edof_golden::video::video_out::BLACK_PIXEL;
 use edof_golden::{Display, Golden};
-use edof_hdl::kc705::Tables;
+use edof_hdl::board::Tables;
 use edof_network::fixed_network::FixedNetworkError;
 use ndarray::Array2;
 

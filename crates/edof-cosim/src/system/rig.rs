@@ -12,13 +12,12 @@ use crate::{Error, Source, work};
 use edof_core::DisplayMode;
 use edof_core::storage::atomic::WorkFolder;
 use edof_device::Design;
-use edof_device::registers::identity::{design_hash, weights_hash};
 use edof_device::registers::map;
 use edof_device::video::VideoTiming;
 use edof_golden::Display;
 use edof_golden::video::figures::Periods;
-use edof_hdl::board::{EdofCore, Identity};
-use edof_hdl::kc705::table_images;
+use edof_hdl::board::Identity;
+use edof_hdl::boards::circuits;
 use edof_hdl::project::{Project, ProjectError, images, of_circuit, spacious};
 use edof_network::FixedNetwork;
 
@@ -34,13 +33,11 @@ pub fn project(
 ) -> Result<Project, ProjectError> {
     let words = TableWords::of(display);
     let tables = words.tables();
-    let frame = (design.frame.width as u16, design.frame.height as u16);
-    let identity =
-        Identity { design_hash: design_hash(design), weights_hash: weights_hash(design, sets[0]), frame };
+    let identity = Identity::of(design, sets[0]);
     spacious(|| {
-        let mut core = EdofCore::new(design, sets, &identity, tables.luma, tables.colours)?;
-        let files = images(design, sets).into_iter().chain(table_images(&tables, design.frame)).collect();
-        Ok(of_circuit(&mut core, files)?)
+        let mut core = (circuits(design.board)?.core)(design, sets, &identity, &tables)?;
+        let files = images(design, sets).into_iter().chain(tables.images(design)).collect();
+        Ok(of_circuit(&mut *core, files)?)
     })
 }
 
@@ -80,6 +77,8 @@ impl Compiled {
 /// What a rig is started with.
 #[derive(Debug, Clone)]
 pub struct RigConfig {
+    /// What the FIFOs are made for.
+    pub buffers: edof_device::board::Memory,
     /// Timing of the receiver and the transmitter.
     pub timing: VideoTiming,
     /// The clocks.
@@ -95,7 +94,7 @@ impl RigConfig {
     #[must_use]
     pub fn leisurely(design: &Design, seed: u64) -> Self {
         let (timing, periods) = (VideoTiming::of_frame(design.frame), leisurely(design));
-        Self { timing, periods, behaviour: Behaviour::hard(seed), seed }
+        Self { buffers: design.board.memory, timing, periods, behaviour: Behaviour::hard(seed), seed }
     }
 }
 
@@ -261,7 +260,7 @@ impl<H: Actor> Rig<H> {
         let mut found = vec![];
         for mark in self.marks.clone() {
             let max = self.bench.get(&mark.port())? as usize;
-            let (limit, depth) = fifos::limit(&mark.name, begin.periods, late);
+            let (limit, depth) = fifos::limit(&mark.name, &begin.buffers, begin.periods, late);
             found.push(Fifo { name: mark.name, max, limit, depth });
         }
         Ok(found)

@@ -80,24 +80,6 @@ impl Cells {
         self.0.get(cell).copied().unwrap_or(0)
     }
 
-    /// Multiply-accumulate blocks.
-    #[must_use]
-    pub fn dsp48e1(&self) -> usize {
-        self.count("DSP48E1")
-    }
-
-    /// Block RAMs of 36 kbit.
-    #[must_use]
-    pub fn ramb36e1(&self) -> usize {
-        self.count("RAMB36E1")
-    }
-
-    /// Block RAMs of 18 kbit.
-    #[must_use]
-    pub fn ramb18e1(&self) -> usize {
-        self.count("RAMB18E1")
-    }
-
     /// LUT sites: logic, distributed RAM and shift registers. Inverters are left out, as a LUT takes them in.
     #[must_use]
     pub fn luts(&self) -> usize {

@@ -45,11 +45,16 @@ impl Design {
 
     /// Runs build.tcl with reports of one form.
     fn build_with(&self, fault: &str, form: &str) -> (Output, String) {
+        self.build_by(&[], fault, form)
+    }
+
+    /// Runs build.tcl with `-tclargs` of a strategy.
+    fn build_by(&self, strategy: &[&str], fault: &str, form: &str) -> (Output, String) {
         let script = "source $env(STUB)\nsource $env(BUILD)\n";
         let log = self.place.path("commands.log");
         fs::write(self.place.path("run.tcl"), script).unwrap();
         let mut tclsh = Command::new("tclsh");
-        tclsh.arg(self.place.path("run.tcl")).current_dir("/");
+        tclsh.arg(self.place.path("run.tcl")).args(strategy).current_dir("/");
         tclsh.env("STUB", stub()).env("BUILD", self.folder.join("build.tcl")).env("FAULT", fault);
         tclsh.env("COMMANDS", &log).env("NETLIST", self.place.path("objects.tcl"));
         tclsh.env("REPORTS", reports::folder()).env("FORM", form);
@@ -187,7 +192,8 @@ fn any_image_that_is_missing_or_not_hexadecimal_alone_is_reported() {
 fn whatever_a_report_says_stops_it() {
     let design = Design::tiny();
     let faults = [
-        ("slack", "failed to meet the timing"),
+        ("slack", "the worst setup slack from screen_mmcm/CLKOUT0 to screen_mmcm/CLKOUT0 is -0.01 ns"),
+        ("calculator_hold", "the worst hold slack from calculator_mmcm/CLKOUT0"),
         (
             "utilization",
             "report_utilization: DSPs: 852 of 840 are used; black box edof_window: see build/utilization.rpt",
@@ -215,6 +221,65 @@ fn whatever_a_report_says_stops_it() {
             design.fails_with(fault, words, form);
         }
     }
+}
+
+#[test]
+fn a_calculator_that_misses_its_clock_gives_a_bitstream_with_its_rate_in_the_name_and_an_error() {
+    let design = Design::tiny();
+    let (output, _) = design.build("calculator_slack");
+    // 10 ns and 0.4 more.
+    assert!(
+        !output.status.success() && said(&output).contains("the calculator holds 96 MHz"),
+        "{}",
+        said(&output)
+    );
+    assert!(design.folder.join("build/edof-holds-96mhz.bit").exists());
+    assert!(!design.folder.join("build/edof.bit").exists());
+    // What a later run leaves is its own.
+    assert!(design.build("").0.status.success());
+    assert!(!design.folder.join("build/edof-holds-96mhz.bit").exists());
+}
+
+#[test]
+fn strategies_differ_in_directives_and_have_folders_of_their_own() {
+    let design = Design::tiny();
+    for (strategy, directive) in
+        [("explore", "place_design -directive Explore"), ("wires", "ExtraNetDelay_high")]
+    {
+        let (output, commands) = design.build_by(&[strategy], "", "newer");
+        assert!(output.status.success() && commands.contains(directive), "{}", said(&output));
+        let line =
+            fs::read_to_string(design.folder.join("build").join(strategy).join("strategy.txt")).unwrap();
+        assert_eq!(line, format!("{strategy} 0.05 0.05 edof.bit\n"));
+    }
+    assert!(!design.folder.join("build/edof.bit").exists());
+    let (output, _) = design.build_by(&["fastest"], "", "newer");
+    assert!(said(&output).contains("strategy 'fastest': expected one of default, explore, wires"));
+}
+
+/// `make strategies` with a Vivado that gives each strategy another slack.
+#[test]
+fn make_strategies_prints_a_table_and_keeps_the_best() {
+    let design = Design::tiny();
+    let vivado = "#!/bin/sh\nname=${6:-default}; at=build; [ $name = default ] || at=build/$name; mkdir -p $at\n\
+        case $name in default) slack=-0.2;; explore) slack=-1e-3;; wires) slack=0.031;; esac\n\
+        echo $name > $at/edof.bit; echo $name $slack 0.05 edof.bit > $at/strategy.txt\n[ $name = wires ]\n";
+    let tools = design.place.path("tools");
+    fs::create_dir(&tools).unwrap();
+    fs::write(tools.join("vivado"), vivado).unwrap();
+    assert!(Command::new("chmod").arg("+x").arg(tools.join("vivado")).status().unwrap().success());
+    let path = format!("{}:{}", tools.display(), std::env::var("PATH").unwrap());
+    let output = Command::new("make")
+        .arg("strategies")
+        .current_dir(&design.folder)
+        .env("PATH", path)
+        .output()
+        .unwrap();
+    let text = said(&output);
+    let rows: Vec<&str> = text.lines().filter(|line| line.contains(" 0.05 ")).collect();
+    assert!(output.status.success(), "{text}");
+    assert_eq!(rows.iter().map(|row| &row[..4]).collect::<Vec<_>>(), ["wire", "expl", "defa"], "{text}");
+    assert_eq!(fs::read_to_string(design.folder.join("build/edof.bit")).unwrap(), "wires\n");
 }
 
 #[test]

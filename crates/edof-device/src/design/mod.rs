@@ -5,20 +5,25 @@
 //! | one stage: sizes that follow from the design | [`stage`] |
 //! | cycles that all stages have in common | [`timing`] |
 //! | what lies where in weight and threshold memories, and how they are written | [`memory`] |
+//! | clocks and frames of a design on its board | [`on_board`] |
 
+pub mod frame;
 pub mod memory;
+pub mod on_board;
 pub mod reading;
 pub mod stage;
 pub mod timing;
 
+pub use frame::FrameSize;
 pub use stage::{Kind, StagePlan};
 
-use edof_core::geometry::{Geometry, GeometryError, Stride};
+use crate::board::Board;
+use edof_core::geometry::{Geometry, GeometryError};
 use edof_core::number::ACCUMULATOR_BITS;
 use edof_core::storage::{json, name};
 use edof_core::words::number;
 use edof_network::fixed_network::FixedNetwork;
-use edof_network::network::{Form, NetworkError, Recurrence, Shrinkage};
+use edof_network::network::{Form, NetworkError, Recurrence};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -26,13 +31,10 @@ use std::path::Path;
 pub const BANK_LANES: usize = 4;
 /// Elements of a vector that pass in one beat.
 pub const BEAT: usize = 2;
-/// Largest left shift of a value before it is multiplied: the multiplier of a DSP48E1 takes 25 bits, a value has 16.
-pub const MAX_VALUE_SHIFT: u32 = 9;
-
 /// Longest sparse code: a stage's store has room for 256 values of each vector.
 const MAX_CODES: usize = 256;
 
-/// Most pixels along a side of a picture; a board has fewer ([`crate::board::check`]).
+/// Most pixels along a side of a picture; a board has fewer ([`Design::check_board`]).
 const MAX_SIDE: usize = 1 << 14;
 
 /// Most beats that a stage sends of a picture: a counter of 28 bits marks the end of each.
@@ -71,6 +73,14 @@ pub struct Design {
     pub stages: Vec<StageSize>,
     /// The picture it is made for.
     pub frame: FrameSize,
+    /// The board it is for, by name in files; without the field the KC705.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub board: &'static Board,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+fn is_default(board: &&'static Board) -> bool {
+    board.is_default()
 }
 
 /// How a stage is folded.
@@ -83,18 +93,6 @@ pub struct StageSize {
     pub rows: usize,
 }
 
-/// Size of a picture and the stride of its patches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FrameSize {
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Stride between patches.
-    pub stride: Stride,
-}
-
 /// A design that cannot be built, or a network that does not fit it.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
@@ -103,8 +101,8 @@ pub enum DesignError {
     #[error("{path}: cannot read: {source}")]
     Read { path: String, source: std::io::Error },
     /// No design in the file.
-    #[error("{path}: not a design: {}", json::words(source))]
-    Parse { path: String, source: serde_json::Error },
+    #[error("{path}: not a design: {source}")]
+    Parse { path: String, source: json::JsonError },
     /// What is wrong with the design of a file.
     #[error("{path}: {source}")]
     File { path: String, source: Box<DesignError> },
@@ -117,6 +115,9 @@ pub enum DesignError {
     /// A field out of range.
     #[error("{field} {value}: must be {expected}")]
     Field { field: String, value: String, expected: String },
+    /// Something that the design's board does not have.
+    #[error("board {board} has no {what}; use a design for another board")]
+    Lacks { board: &'static str, what: String },
     /// The network is another than the design computes.
     #[error("network {network} does not fit design {design}: it has {found}, the design {expected}")]
     Misfit { network: String, design: String, found: String, expected: String },
@@ -243,11 +244,9 @@ impl Design {
         }
         let shifts = network.final_shifts();
         let shift = shifts.dictionary.max(shifts.linear_path);
-        if shift > MAX_VALUE_SHIFT {
-            return Err(misfit(
-                format!("an alignment of F by {shift} bits"),
-                format!("{MAX_VALUE_SHIFT} at most"),
-            ));
+        let max_shift = self.board.part.multiplier.max_value_shift();
+        if shift > max_shift {
+            return Err(misfit(format!("an alignment of F by {shift} bits"), format!("{max_shift} at most")));
         }
         Ok(())
     }
@@ -261,11 +260,7 @@ fn differing(network: Form, design: Form) -> Option<(String, String)> {
             format!("windows of {0}x{0}", form.window.side()),
             format!("{} values of sparse code", form.codes),
             format!("{} layers", form.layers),
-            match form.shrinkage {
-                Shrinkage::OneSided => "one-sided shrinkage",
-                Shrinkage::TwoSided => "two-sided shrinkage",
-            }
-            .to_owned(),
+            format!("{} shrinkage", form.shrinkage),
             match form.recurrence {
                 Recurrence::Direct => "direct recurrence",
                 Recurrence::Difference => "recurrence of differences",

@@ -22,7 +22,7 @@ pub use cause::Cause;
 
 pub use program::{Action, Entry, SETTINGS, SLOTS, depth, image};
 
-/// The programs of both buses for a video mode, in the order of `crate::board::I2C_IMAGES`.
+/// Returns the programs of the KC705's buses for a video mode: its own, the card's.
 #[must_use]
 pub fn programs(mode: VideoTiming) -> [Vec<Entry>; 2] {
     [transmitter::program(), receiver::program(mode)]

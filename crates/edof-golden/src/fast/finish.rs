@@ -1,4 +1,4 @@
-//! From sums to words: round, shift, saturate; soft threshold; difference. Each function of the vectors' is plain Rust that is compiled
+//! From sums to words: round, shift, saturate; shrinkage; difference. Each function of the vectors' is plain Rust that is compiled
 //! once for every instruction set, and gives how many words saturated.
 //!
 //! Words of a stage whose shifts are [`narrow`](Finish::is_narrow) follow from its sums' high parts, in 32 bits; others from whole sums,
@@ -8,6 +8,7 @@ use super::isa::{Isa, for_each_isa};
 use super::sums::{LOW_BITS, SUM_BITS, Sums};
 use edof_core::number::requantize;
 use edof_network::fixed_network::FinalShifts;
+use edof_network::network::Shrinkage;
 
 /// Bits of an output word.
 const OUTPUT_BITS: u32 = 16;
@@ -152,9 +153,18 @@ for_each_isa! {
     }
 }
 
+/// Applies the shrinkage to pre-activations of `bits` bits, fewer than 2^16 of them; returns how many codes saturated.
+pub fn shrink(isa: Isa, shrinkage: Shrinkage, bits: u32, theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
+    match shrinkage {
+        Shrinkage::TwoSided => two_sided(isa, theta, b, z),
+        Shrinkage::OneSided => one_sided(isa, bits, theta, b, z),
+        Shrinkage::Firm => firm(isa, theta, b, z),
+    }
+}
+
 for_each_isa! {
-    /// Two-sided soft threshold of each pre-activation: what is left of it outside of −θ…θ, which never saturates.
-    pub fn shrink_two_sided(theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
+    /// Keeps what is outside of −θ…θ, which never saturates.
+    fn two_sided(theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
         for ((z, b), theta) in z.iter_mut().zip(b).zip(theta) {
             // −32768 has no opposite, but thresholds are 0 or more.
             *z = *b - (*b).min(*theta).max(-theta.max(&0));
@@ -164,8 +174,8 @@ for_each_isa! {
 }
 
 for_each_isa! {
-    /// One-sided soft threshold of each pre-activation, fewer than 2^16.
-    pub fn shrink_one_sided(bits: u32, theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
+    /// Keeps what exceeds θ.
+    fn one_sided(bits: u32, theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
         let max = ((1i32 << (bits - 1)) - 1) as i16;
         let mut saturated = 0i16;
         for ((z, b), theta) in z.iter_mut().zip(b).zip(theta) {
@@ -174,6 +184,17 @@ for_each_isa! {
             *z = b.saturating_sub(*theta).max(0).min(max);
         }
         u64::from(saturated as u16)
+    }
+}
+
+for_each_isa! {
+    /// Doubles what is outside of −θ…θ, up to the size of b, so that it never saturates.
+    fn firm(theta: &[i16], b: &[i16], z: &mut [i16]) -> u64 {
+        for ((z, b), theta) in z.iter_mut().zip(b).zip(theta) {
+            let outside = *b - (*b).min(*theta).max(-theta.max(&0));
+            *z = outside.saturating_add(outside).min((*b).max(0)).max((*b).min(0));
+        }
+        0
     }
 }
 

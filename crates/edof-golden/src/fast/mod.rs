@@ -37,7 +37,7 @@ use active::Active;
 use columns::Columns;
 use edof_core::colour::OUTPUTS_422;
 use edof_network::FixedNetwork;
-use edof_network::network::{Recurrence, Shrinkage};
+use edof_network::network::Recurrence;
 use finish::{Finish, FinishOutputs};
 use operands::Inputs;
 use pack::{Packed, padded};
@@ -289,7 +289,7 @@ impl Fast {
             let base = base.map(|base| &base.b[at.clone()]);
             *counts = StageCounts::default();
             counts.saturated_results = stage.finish.words(self.isa, &batch.sums, at.start, base, b);
-            counts.saturated_codes = stage.shrink(self.isa, shrinkage, bits, b, z);
+            counts.saturated_codes = finish::shrink(self.isa, shrinkage, bits, &stage.theta, b, z);
             let sent = match before.last() {
                 _ if !stage.sends_difference => z,
                 last => {
@@ -339,14 +339,6 @@ impl Stage {
             finish: Finish { base_shift, shift, bits: network.code_bits, accumulator_bits },
             theta,
             sends_difference: sends_difference(network, t),
-        }
-    }
-
-    /// The soft threshold of pre-activations of `bits` bits; gives how many codes saturated.
-    fn shrink(&self, isa: Isa, shrinkage: Shrinkage, bits: u32, b: &[i16], z: &mut [i16]) -> u64 {
-        match shrinkage {
-            Shrinkage::TwoSided => finish::shrink_two_sided(isa, &self.theta, b, z),
-            Shrinkage::OneSided => finish::shrink_one_sided(isa, bits, &self.theta, b, z),
         }
     }
 }

@@ -5,7 +5,6 @@
 //! frame whenever it is free.
 
 use edof_core::geometry::{Geometry, PATCH};
-use edof_device::board::CORE_KILOHERTZ;
 use edof_device::design::{Design, FrameSize};
 use edof_device::video::VideoTiming;
 
@@ -27,7 +26,7 @@ impl Periods {
     #[must_use]
     pub fn of_board(design: &Design) -> Self {
         let pixel = 1_000_000_000 / VideoTiming::of_frame(design.frame).pixel_khz as u64;
-        let core = 1_000_000_000 / u64::from(CORE_KILOHERTZ);
+        let core = 1_000_000_000 / u64::from(design.board.core_khz);
         Self { core, calculator: (1e6 / design.clock_mhz).round() as u64, input: pixel, output: pixel }
     }
 }

@@ -17,16 +17,14 @@ pub struct Drain {
     pub clock: Signal<In, Clock>,
     /// Forgets everything; held for 48 cycles or more.
     pub reset: Signal<In, Bit>,
-    /// A pass begins.
-    pub begins: Signal<In, Bit>,
     /// The last step of a pass is issued.
     pub pass_issued: Signal<In, Bit>,
     /// Set of the vector of that pass.
     pub set: Signal<In, Bit>,
     /// A beat has left the stage.
     pub credit_return: Signal<In, Bit>,
-    /// Whether the next pass may begin.
-    pub may_start: Signal<Out, Bit>,
+    /// A pass is released: its sums are taken, or will be before the sums of the next pass but one come.
+    pub release: Signal<Out, Bit>,
     /// Copies the sums of a pass.
     pub copy: Signal<Out, Bit>,
     /// Takes the next two sums.
@@ -46,8 +44,6 @@ pub struct Drain {
     #[reset(false)]
     sum_ready: DFF<Bit>,
     sum_set: DFF<Bit>,
-    #[reset(0)]
-    open: DFF<Bits<2>>,
     #[reset(false)]
     busy: DFF<Bit>,
     #[reset(false)]
@@ -69,7 +65,6 @@ pub struct Drain {
     set_q: DFF<Bit>,
     copy_now: Signal<Local, Bit>,
     pop: Signal<Local, Bit>,
-    release_pass: Signal<Local, Bit>,
     issued: Signal<Local, Bits<2>>,
 }
 
@@ -104,7 +99,7 @@ impl Logic for Drain {
         self.copy_now.next = self.sum_ready.q.val()
             && (!self.busy.q.val() || (self.is_active.q.val() && self.at_last.q.val()));
         self.pop.next = self.is_active.q.val() || (self.loaded.q.val() && self.has_credits.q.val());
-        self.release_pass.next = self.pop.val() && (self.remaining.q.val() == self.release_at.val());
+        self.release.next = self.pop.val() && (self.remaining.q.val() == self.release_at.val());
 
         // A pass whose sums are taken, copied, stand ready: the last take of one may be the copy of the next.
         if self.pop.val() {
@@ -134,12 +129,7 @@ impl Logic for Drain {
             self.sum_set.d.next = self.in_flight.delayed.val().get_bit(1);
         }
 
-        // Passes that have begun and are not released; room in the FIFO.
-        if self.begins.val() && !self.release_pass.val() {
-            self.open.d.next = self.open.q.val() + 1;
-        } else if self.release_pass.val() && !self.begins.val() {
-            self.open.d.next = self.open.q.val() - 1;
-        }
+        // Room in the FIFO.
         if self.pop.val() && !self.credit_return.val() {
             self.credits.d.next = self.credits.q.val() - 1;
         } else if self.credit_return.val() && !self.pop.val() {
@@ -148,7 +138,6 @@ impl Logic for Drain {
         // A drain may begin in the cycle after the last take of the one before: that one's credit is spent.
         self.has_credits.d.next = (self.credits.q.val() > self.needed_credits.val())
             || ((self.credits.q.val() == self.needed_credits.val()) && !self.pop.val());
-        self.may_start.next = !self.open.q.val().get_bit(1);
 
         // A cycle later.
         self.copy_q.d.next = self.copy_now.val();

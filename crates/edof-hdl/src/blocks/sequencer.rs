@@ -7,7 +7,9 @@ use rust_hdl::prelude::*;
 
 /// Which step of which pass is next: over a vector's pairs first, then over the window (F), once a pass, one step a cycle.
 /// What a pass must know is looked up before it begins, so that the next begins in the cycle after the last step of the one before;
-/// all that a step reads comes out of registers. While `steal` is high, no step is issued and the current pass is held.
+/// all that a step reads comes out of registers. In the cycle after `steal_next`, no step is issued and the current pass is held.
+/// At most two passes are begun and not released. The registers that decide whether a pass begins are all in this block, so that the decision
+/// crosses no distance (docs/fabric.md).
 #[derive(Circuit)]
 #[circuit(registers(clock, reset))]
 pub struct Sequencer {
@@ -19,12 +21,10 @@ pub struct Sequencer {
     pub arrived: Signal<In, Bit>,
     /// What must be known of it: steps before its last one (8 bits), one step only, no pairs, an odd number, set.
     pub descriptor: Signal<In, Descriptor>,
-    /// Whether a pass may begin.
-    pub may_start: Signal<In, Bit>,
-    /// No step in this cycle.
-    pub steal: Signal<In, Bit>,
-    /// A pass begins: its first step is in the next cycle.
-    pub begins: Signal<Out, Bit>,
+    /// A pass is released: one more may begin from the next cycle on.
+    pub release: Signal<In, Bit>,
+    /// No step in the next cycle.
+    pub steal_next: Signal<In, Bit>,
     /// There is a step in this cycle, with a first value.
     pub valid_a: Signal<Out, Bit>,
     /// With a second one.
@@ -73,13 +73,17 @@ pub struct Sequencer {
     pass: DFF<Bits<6>>,
     #[reset(0)]
     pass_row: DFF<Row>,
+    // Passes that have begun and are not released.
+    #[reset(0)]
+    open: DFF<Bits<2>>,
     #[reset(false)]
-    next_known: DFF<Bit>,
+    may_begin: DFF<Bit>,
     job: DFF<Descriptor>,
     job_row: DFF<Row>,
     job_slot: DFF<Bits<2>>,
     job_is_last: DFF<Bit>,
     // The step of this cycle.
+    steal: DFF<Bit>,
     #[reset(false)]
     active: DFF<Bit>,
     linear_q: DFF<Bit>,
@@ -123,14 +127,14 @@ impl Sequencer {
 impl Logic for Sequencer {
     #[kernel]
     fn update(&mut self) {
+        self.steal.d.next = self.steal_next.val();
+
         // The step of this cycle, and whether a pass begins with the next.
-        self.step_valid.next = self.active.q.val() && !self.steal.val();
+        self.step_valid.next = self.active.q.val() && !self.steal.q.val();
         self.pass_done.next =
             self.step_valid.val() && self.at_end.q.val() && (self.linear_q.q.val() || !self.has_linear.val());
-        self.grant.next =
-            self.next_known.q.val() && self.may_start.val() && (!self.active.q.val() || self.pass_done.val());
+        self.grant.next = self.may_begin.q.val() && (!self.active.q.val() || self.pass_done.val());
         self.pop.next = self.grant.val() && self.job_is_last.q.val();
-        self.begins.next = self.grant.val();
         self.pass_issued.next = self.pass_done.val();
         self.finished.next = self.pass_done.val() && self.is_last.q.val();
 
@@ -171,7 +175,14 @@ impl Logic for Sequencer {
         } else if self.slot.q.val() == 3 {
             self.next.next = self.descriptor_3.q.val();
         }
-        self.next_known.d.next = self.waiting.q.val().any() && !self.grant.val();
+        if self.grant.val() && !self.release.val() {
+            self.open.d.next = self.open.q.val() + 1;
+        } else if self.release.val() && !self.grant.val() {
+            self.open.d.next = self.open.q.val() - 1;
+        }
+        self.may_begin.d.next = self.waiting.q.val().any()
+            && !self.grant.val()
+            && (!self.open.q.val().get_bit(1) || self.release.val());
         self.job.d.next = self.next.val();
         self.job_slot.d.next = self.slot.q.val();
         self.job_is_last.d.next = self.pass.q.val() == self.last_pass.val();

@@ -115,7 +115,6 @@ pub struct Stage {
     data_2: DFF<Bits<32>>,
     snapshot_2: DFF<Bit>,
     read_2: DFF<Bit>,
-    steal_2: DFF<Bit>,
     weights_to_5: Delay<53, 3>,
     resets: Signal<Local, Bits<8>>,
     marks: Signal<Local, Bits<11>>,
@@ -259,8 +258,7 @@ impl Logic for Stage {
         // Multiply.
         self.sequencer.arrived.next = self.arrived.val();
         self.sequencer.descriptor.next = self.descriptor.val();
-        self.sequencer.may_start.next = self.drain.may_start.val();
-        self.sequencer.steal.next = self.steal_2.q.val();
+        self.sequencer.release.next = self.drain.release.val();
         self.first.next = false;
         self.address_a.next = 0.into();
         self.address_b.next = 0.into();
@@ -315,7 +313,6 @@ impl Logic for Stage {
         self.macc.value_d.next = self.value_d.val();
 
         // Drain.
-        self.drain.begins.next = self.sequencer.begins.val();
         self.drain.pass_issued.next = self.sequencer.pass_issued.val();
         self.drain.set.next = self.sequencer.set.val();
         self.macc.copy.next = self.drain.copy.val();
@@ -377,14 +374,14 @@ impl Logic for Stage {
         // A row is read back in a cycle without a write, whatever that would write.
         self.reads.next = self.reader.request_weights.val() && !self.write_1.q.val();
         self.read_2.d.next = self.reads.val();
+        self.sequencer.steal_next.next = self.reads.val()
+            || (self.both_ports.val()
+                && self.selected.val()
+                && (self.address_1.q.val().get_bits::<2>(19) == 0));
         if self.reads.val() {
             self.address_2.d.next = (bit_cast::<19, 6>(self.reader.bank.val()) << 13)
                 | (bit_cast::<19, 12>(self.reader.row.val()) << 1);
         }
-        self.steal_2.d.next = self.reads.val()
-            || (self.both_ports.val()
-                && self.selected.val()
-                && (self.address_1.q.val().get_bits::<2>(19) == 0));
         self.snapshot_2.d.next = self.write_1.q.val()
             && (self.address_1.q.val().get_bits::<4>(21) == self.whole_chain.val())
             && (self.address_1.q.val().get_bits::<2>(19) == 3);

@@ -10,6 +10,7 @@ use super::picture_window::PictureWindow;
 use super::power_on::PowerOn;
 use super::read_agent::ReadAgent;
 use super::registers::{BoardRegisters, Identity};
+use super::tables::Tables;
 use super::write_agent::WriteAgent;
 use crate::blocks::frame_check::FrameCheck;
 use crate::crossing::{BusSync, PixelFifo, ResetSync, Sync};
@@ -18,9 +19,9 @@ use crate::ports::{AxiLiteSlave, AxiReadMaster, AxiWriteMaster, StreamOut};
 use crate::video::stream_core::StreamCore;
 use crate::video::video_in::VideoIn;
 use crate::video::video_out::VideoOut;
-use edof_device::board;
 use edof_device::design::memory::SNAPSHOT_REGISTERS;
 use edof_device::design::{Design, DesignError};
+use edof_device::fifos::CROSSING_PIXELS;
 use edof_device::video::VideoTiming;
 use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
@@ -36,9 +37,10 @@ use rust_hdl::prelude::*;
 #[derive(Circuit)]
 #[circuit(
     default(ResetSync, BusSync, Sync, AxiPair, PowerOn, CalculatorPort, PictureWindow, CycleCount),
+    role(_role),
     registers(clock)
 )]
-pub struct EdofCore {
+pub struct EdofCore<const W: usize, const S: usize> {
     /// Clock of memory and host.
     pub clock: Signal<In, Clock>,
     /// Clock of the calculator.
@@ -70,9 +72,9 @@ pub struct EdofCore {
     /// Codes of the pixel: Y' low, Cb' or Cr' high.
     pub screen_data: Signal<Out, Bits<16>>,
     /// Writes to the memory.
-    pub dram_write: AxiWriteMaster<512, 64>,
+    pub dram_write: AxiWriteMaster<W, S>,
     /// Reads from the memory.
-    pub dram_read: AxiReadMaster<512>,
+    pub dram_read: AxiReadMaster<W>,
     /// The host.
     pub host: AxiLiteSlave,
     /// The memory serves; low while it is in reset, in which it forgets what is in flight.
@@ -116,20 +118,20 @@ pub struct EdofCore {
     input_status: BusSync<224>,
     patterns: PatternSource,
     window: PictureWindow,
-    raw_writer: WriteAgent<512, 64>,
-    raw_reader: ReadAgent<512>,
+    raw_writer: WriteAgent<W, S>,
+    raw_reader: ReadAgent<W>,
     raw_fifo: PixelFifo,
     choices: Sync<2>,
     access: CalculatorPort,
     core: StreamCore,
     calculator_status: BusSync<232>,
     picture_fifo: PixelFifo,
-    picture_writer: WriteAgent<512, 64>,
-    picture_reader: ReadAgent<512>,
+    picture_writer: WriteAgent<W, S>,
+    picture_reader: ReadAgent<W>,
     output_fifo: PixelFifo,
     video_out: VideoOut,
     screen_status: BusSync<96>,
-    memory: AxiPair<512, 64>,
+    memory: AxiPair<W, S>,
     registers: BoardRegisters,
     input_word: Signal<Local, Bits<224>>,
     screen_word: Signal<Local, Bits<96>>,
@@ -155,34 +157,36 @@ pub struct EdofCore {
     memory_down: DFF<Bit>,
     agents_reset: Signal<Local, Bit>,
     clear_calculator: Signal<Local, Bit>,
+    // A design has one core, so that its module needs no sizes in its name.
+    _role: &'static str,
 }
 
-impl EdofCore {
-    /// The core of a design, its sets of weights starting with these networks and its display with these tables: luma codes, and encoded
-    /// red, green and blue.
+impl<const W: usize, const S: usize> EdofCore<W, S> {
+    /// Makes the core of a design. Its sets of weights start with these networks, its display with these tables.
     ///
     /// # Errors
-    /// [`DesignError`] names what does not fit what.
+    /// [`DesignError`] names what does not fit what, or what the board lacks.
     pub fn new(
         design: &Design,
         sets: [&FixedNetwork; 2],
         identity: &Identity,
-        luma: &[u64],
-        colours: [&[u64]; 3],
+        tables: &Tables,
     ) -> Result<Self, DesignError> {
-        board::check(design)?;
+        design.check_board()?;
+        design.video()?;
+        let memory = &design.board.memory;
         let timing = VideoTiming::of_frame(design.frame);
         let frames = |buffers| Frames {
             width: design.frame.width,
             height: design.frame.height,
             buffers,
-            burst: board::BURST_WORDS,
-            depth: board::AGENT_WORDS,
+            burst: memory.burst_words,
+            depth: memory.agent_words(),
         };
-        let crossing = board::CROSSING_PIXELS.ilog2() as usize;
-        let (raw, picture) = (frames(board::RAW_BUFFERS), frames(board::PICTURE_BUFFERS));
+        let crossing = CROSSING_PIXELS.ilog2() as usize;
+        let (raw, picture) = (frames(memory.raw_buffers), frames(memory.picture_buffers));
         Ok(Self::from_parts(EdofCoreParts {
-            video_in: VideoIn::new(design.frame, board::patience(timing)),
+            video_in: VideoIn::new(design.frame, timing.signal_time_out()),
             watch: ClockWatch::new(true),
             calculator_watch: ClockWatch::new(false),
             input_fifo: PixelFifo::new(crossing),
@@ -190,7 +194,7 @@ impl EdofCore {
             raw_writer: WriteAgent::new(&raw),
             raw_reader: ReadAgent::new(&raw, false),
             raw_fifo: PixelFifo::new(crossing),
-            core: StreamCore::new(design, sets, luma, colours)?,
+            core: StreamCore::new(design, sets, tables.luma, tables.colours)?,
             picture_fifo: PixelFifo::new(crossing),
             picture_writer: WriteAgent::new(&picture),
             picture_reader: ReadAgent::new(&picture, true),
@@ -199,11 +203,12 @@ impl EdofCore {
             registers: BoardRegisters::new(design, identity),
             checks: std::array::from_fn(|_| FrameCheck::new(design.frame.width * design.frame.height)),
             snapshot_register: Constant::new((SNAPSHOT_REGISTERS as u64).into()),
+            _role: "",
         }))
     }
 }
 
-impl Logic for EdofCore {
+impl<const W: usize, const S: usize> Logic for EdofCore<W, S> {
     #[kernel]
     fn update(&mut self) {
         // Clocks and resets.
@@ -426,12 +431,12 @@ impl Logic for EdofCore {
         self.registers.check_frames.next = self.check_frames.val();
 
         // Memory.
-        AxiWriteMaster::<512, 64>::join(&mut self.raw_writer.dram, &mut self.memory.write_0);
-        AxiWriteMaster::<512, 64>::join(&mut self.picture_writer.dram, &mut self.memory.write_1);
-        AxiReadMaster::<512>::join(&mut self.raw_reader.dram, &mut self.memory.read_0);
-        AxiReadMaster::<512>::join(&mut self.picture_reader.dram, &mut self.memory.read_1);
-        AxiWriteMaster::<512, 64>::link(&mut self.dram_write, &mut self.memory.dram_write);
-        AxiReadMaster::<512>::link(&mut self.dram_read, &mut self.memory.dram_read);
+        AxiWriteMaster::<W, S>::join(&mut self.raw_writer.dram, &mut self.memory.write_0);
+        AxiWriteMaster::<W, S>::join(&mut self.picture_writer.dram, &mut self.memory.write_1);
+        AxiReadMaster::<W>::join(&mut self.raw_reader.dram, &mut self.memory.read_0);
+        AxiReadMaster::<W>::join(&mut self.picture_reader.dram, &mut self.memory.read_1);
+        AxiWriteMaster::<W, S>::link(&mut self.dram_write, &mut self.memory.dram_write);
+        AxiReadMaster::<W>::link(&mut self.dram_read, &mut self.memory.dram_read);
 
         // What the other domains say, again and again.
         self.input_word.next = (bit_cast::<224, 32>(self.video_in.overruns.val()))

@@ -4,15 +4,21 @@ use super::chip_setup::ChipSetup;
 use super::edof_core::EdofCore;
 use super::embedded_syncs::EmbeddedSyncs;
 use super::pace::Pace;
+use super::registers::Identity;
+use super::tables::Tables;
 use super::uart_bus::UartBus;
 use crate::crossing::ResetSync;
 use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiLiteMaster, AxiReadMaster, AxiWriteMaster};
-use edof_device::board::I2C_IMAGES;
-use edof_device::design::FrameSize;
-use edof_device::i2c;
+use edof_device::board::{KC705, Setup};
+use edof_device::design::{Design, DesignError};
 use edof_device::video::VideoTiming;
+use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
+
+/// Bits and bytes of a word of the DRAM's port.
+pub(crate) const W: usize = KC705.memory.word_bits;
+pub(crate) const S: usize = W / 8;
 
 /// The core with what the KC705 has around it: a serial line to the host, two buses of video chips to be set up, and an HDMI receiver
 /// whose syncs come inside of the pixels. Buffers, DRAM controller and clocks are `kc705_top`'s.
@@ -44,9 +50,9 @@ pub struct Kc705Core {
     /// Codes of the pixel: Y' low, Cb' or Cr' high.
     pub screen_data: Signal<Out, Bits<16>>,
     /// Writes to the DRAM.
-    pub dram_write: AxiWriteMaster<512, 64>,
+    pub dram_write: AxiWriteMaster<W, S>,
     /// Reads from the DRAM.
-    pub dram_read: AxiReadMaster<512>,
+    pub dram_read: AxiReadMaster<W>,
     /// The DRAM is calibrated.
     pub dram_ready: Signal<In, Bit>,
     /// From the host, of no clock.
@@ -64,7 +70,7 @@ pub struct Kc705Core {
     /// LEDs: 0 the memory is ready; 1 video comes in, blinking where a cable is in and nothing comes; 2 it has the design's size; 3 pictures
     /// leave; 4 all video chips are set up; 5 a set-up failed; 6 a screen is plugged in.
     pub leds: Signal<Out, Bits<7>>,
-    core: EdofCore,
+    core: EdofCore<W, S>,
     syncs: EmbeddedSyncs,
     uart: UartBus,
     chips: [ChipSetup; 2],
@@ -76,19 +82,27 @@ pub struct Kc705Core {
 }
 
 impl Kc705Core {
-    /// Around that core, for frames of a size.
-    #[must_use]
-    pub fn new(core: EdofCore, frame: FrameSize, pace: &Pace) -> Self {
-        let [board, card] = i2c::programs(VideoTiming::on_the_cable(frame));
-        let [board_image, card_image] = I2C_IMAGES;
-        Self::from_parts(Kc705CoreParts {
+    /// Makes the core of a design and surrounds it.
+    ///
+    /// # Errors
+    /// As [`EdofCore::new`].
+    pub fn new(
+        design: &Design,
+        sets: [&FixedNetwork; 2],
+        identity: &Identity,
+        tables: &Tables,
+        pace: &Pace,
+    ) -> Result<Self, DesignError> {
+        let (input, output) = design.video()?;
+        let core = EdofCore::new(design, sets, identity, tables)?;
+        let mode = VideoTiming::on_the_cable(design.frame);
+        let setup =
+            |setup: &Setup, is_card| ChipSetup::new(pace, &(setup.program)(mode), setup.image, is_card);
+        Ok(Self::from_parts(Kc705CoreParts {
             core,
             uart: UartBus::new(pace.cycles_per_bit, pace.uart_time_out),
-            chips: [
-                ChipSetup::new(pace, &board, board_image, false),
-                ChipSetup::new(pace, &card, card_image, true),
-            ],
-        })
+            chips: [setup(&output.setup, false), setup(&input.setup, true)],
+        }))
     }
 }
 
@@ -123,8 +137,8 @@ impl Logic for Kc705Core {
         self.screen_de.next = self.core.screen_de.val();
         self.screen_data.next = self.core.screen_data.val();
 
-        AxiWriteMaster::<512, 64>::link(&mut self.dram_write, &mut self.core.dram_write);
-        AxiReadMaster::<512>::link(&mut self.dram_read, &mut self.core.dram_read);
+        AxiWriteMaster::<W, S>::link(&mut self.dram_write, &mut self.core.dram_write);
+        AxiReadMaster::<W>::link(&mut self.dram_read, &mut self.core.dram_read);
         self.core.dram_ready.next = self.dram_ready.val();
 
         self.uart.clock.next = self.clock.val();

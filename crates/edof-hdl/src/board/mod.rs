@@ -19,6 +19,7 @@
 //! | [`uart_receiver`], [`uart_sender`] | bytes of a serial line |
 //! | [`uart_bus`] | a serial line as a master of registers |
 //! | [`embedded_syncs`] | syncs that come inside of the pixels |
+//! | [`tables`] | what the display and the set-ups of chips start with |
 //! | [`edof_core`] | all of it, for any board |
 //! | [`kc705_core`] | and what the KC705 has around it |
 //! | [`blocks`] | the blocks of the core, and how long their paths may be |
@@ -45,6 +46,7 @@ pub mod picture_window;
 pub mod power_on;
 pub mod read_agent;
 pub mod registers;
+pub mod tables;
 pub mod uart_bus;
 pub mod uart_receiver;
 pub mod uart_sender;
@@ -68,6 +70,7 @@ pub use picture_window::PictureWindow;
 pub use power_on::PowerOn;
 pub use read_agent::ReadAgent;
 pub use registers::{BoardRegisters, Identity};
+pub use tables::Tables;
 pub use uart_bus::UartBus;
 pub use uart_receiver::UartReceiver;
 pub use uart_sender::UartSender;

@@ -1,6 +1,6 @@
 //! Speeds of the slow interfaces, so that a simulation can shorten them.
 
-use edof_device::board::{BAUD, CORE_KILOHERTZ, UART_TIME_OUT_MS};
+use edof_device::board::{Board, UART_TIME_OUT_MS};
 
 /// How fast what is not video goes, in cycles of the core's clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,11 +16,14 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// As on the board; I2C at 100 kHz.
-    pub const BOARD: Self = Self {
-        cycles_per_bit: (1000 * CORE_KILOHERTZ / BAUD) as u16,
-        uart_time_out: UART_TIME_OUT_MS * CORE_KILOHERTZ,
-        i2c_quarter: CORE_KILOHERTZ / 400,
-        millisecond: CORE_KILOHERTZ,
-    };
+    /// Returns the speeds of a board; I2C at 100 kHz.
+    #[must_use]
+    pub const fn of(board: &Board) -> Self {
+        Self {
+            cycles_per_bit: (1000 * board.core_khz / board.baud) as u16,
+            uart_time_out: UART_TIME_OUT_MS * board.core_khz,
+            i2c_quarter: board.core_khz / 400,
+            millisecond: board.core_khz,
+        }
+    }
 }

@@ -4,9 +4,11 @@ use super::bank_guard::BankGuard;
 use crate::describe::{Circuit, kernel};
 use crate::ports::AxiLiteSlave;
 use edof_device::design::Design;
+use edof_device::registers::identity::{design_hash, weights_hash};
 use edof_device::registers::map::{
     DISPLAY_TABLES, PICTURE_PIXELS, REGISTERS, STAGE_COUNTERS, STAGE_READS, TILE_PIXELS, WEIGHT_SET, WEIGHTS,
 };
+use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
 
 /// Where an access stands.
@@ -229,6 +231,18 @@ pub struct Identity {
     pub weights_hash: u32,
     /// Columns and rows of its frame.
     pub frame: (u16, u16),
+}
+
+impl Identity {
+    /// Returns the identity of a design that starts with a network.
+    #[must_use]
+    pub fn of(design: &Design, network: &FixedNetwork) -> Self {
+        Self {
+            design_hash: design_hash(design),
+            weights_hash: weights_hash(design, network),
+            frame: (design.frame.width as u16, design.frame.height as u16),
+        }
+    }
 }
 
 impl BoardRegisters {

@@ -1,4 +1,8 @@
 use super::*;
+use crate::packing::{ByteOrder, Packing};
+use crate::picture;
+use crate::samples::Samples;
+use edof_core::CfaPhase;
 use proptest::prelude::*;
 
 fn frame(depth: u32, phase: CfaPhase) -> RawFrame {
@@ -164,15 +168,118 @@ fn text_that_is_no_size_is_rejected() {
 }
 
 #[test]
-fn an_unknown_ending_is_told_the_known_ones() {
+fn every_ending_is_of_one_format_and_what_is_written_is_recognised() {
+    let endings: Vec<&str> = FORMATS.iter().flat_map(|format| format.endings).copied().collect();
+    for ending in &endings {
+        let path = Path::new("x").with_extension(ending.to_uppercase());
+        assert_eq!(FORMATS.iter().filter(|format| format.is_named(&path)).count(), 1, "{ending}");
+    }
+    for format in FORMATS {
+        let Some(write) = &format.write else { continue };
+        let path = Path::new("x").with_extension(format.endings[0]);
+        let bytes = (write.encode)(&frame(12, CfaPhase::Rggb), &path).unwrap();
+        let found = of_content(&bytes).map(|found| found.name);
+        let headerless = matches!(format.read, Read::Headerless(_));
+        assert_eq!(found, (!headerless).then_some(format.name), "{}", format.name);
+    }
+}
+
+#[test]
+fn in_a_container_of_several_formats_the_ending_decides() {
+    let tiff =
+        (writer(Path::new("x.tif")).unwrap().encode)(&frame(12, CfaPhase::Rggb), Path::new("")).unwrap();
+    let format = |name: &str, bytes: &[u8], size: bool| {
+        let size = size.then_some(Size { width: 2, height: 2 });
+        formats::recognised(Path::new(name), bytes, &RawOptions { size, ..RawOptions::default() }).name
+    };
+    let named = ["x.tif", "x", "x.png", "x.dng", "x.NEF"].map(|name| format(name, &tiff, true));
+    assert_eq!(named, ["TIFF", "TIFF", "TIFF", "DNG", "camera raw"]);
+    // What no format claims is a camera's where its name states so and no size does.
+    assert_eq!(
+        ["x.dng", "x.raw", "x.png"].map(|name| format(name, b"pixels", false)),
+        ["DNG", "headerless", "headerless"]
+    );
+    assert_eq!(format("x.dng", b"pixels", true), "headerless");
+    assert_eq!(format("x.dng", GREY, false), "PGM");
+}
+
+#[test]
+fn the_help_has_every_ending_that_is_written() {
+    assert_eq!(
+        written(),
+        ".png or .tif (sensor values at the top of 16 bits), .pgm, .npy (an array of sensor values), or .raw without a header"
+    );
+}
+
+#[test]
+fn an_unknown_ending_is_rejected_with_the_known_ones() {
     let error = save(Path::new("x.dng"), &frame(12, CfaPhase::Rggb)).unwrap_err().to_string();
-    assert_eq!(error, "x.dng: unknown ending, expected .png, .tif, .tiff, .pgm, .raw or .bin");
+    assert_eq!(error, "x.dng: unknown ending, expected .png, .tif, .tiff, .pgm, .npy, .raw or .bin");
+}
+
+/// An array as `numpy.save` of NumPy 2.4.6 writes it.
+fn array(descr: &str, fortran: &str, shape: &str, data: &[u8]) -> Vec<u8> {
+    let header = format!("{{'descr': '{descr}', 'fortran_order': {fortran}, 'shape': {shape}, }}");
+    [b"\x93NUMPY\x01\0v\0", format!("{header:117}\n").as_bytes(), data].concat()
+}
+
+#[test]
+fn an_array_of_numpy_is_read_in_every_type_and_order_and_written_as_numpy_does() {
+    let values = ndarray::array![[1, 2], [770, 255]];
+    let little = array("<u2", "False", "(2, 2)", &[1, 0, 2, 0, 2, 3, 255, 0]);
+    for bytes in [
+        &little,
+        &array(">u2", "True", "(2, 2)", &[0, 1, 3, 2, 0, 2, 0, 255]),
+        &array("<f4", "False", "(2, 2)", &[1.0f32, 2.0, 770.0, 255.0].map(f32::to_le_bytes).concat()),
+        &array("<i8", "False", "(2, 2)", &[1i64, 2, 770, 255].map(i64::to_le_bytes).concat()),
+    ] {
+        let frame = loaded("x.npy", bytes, RawOptions { depth: Some(10), ..RawOptions::default() }).unwrap();
+        assert_eq!((frame.values(), frame.depth()), (values.clone(), 10));
+        assert_eq!((writer(Path::new("x.npy")).unwrap().encode)(&frame, Path::new("")).unwrap(), little);
+    }
+    let bytes =
+        loaded("x", &array("|u1", "False", "(2, 2)", &[1, 2, 3, 255]), RawOptions::default()).unwrap();
+    assert_eq!((bytes.depth(), bytes.values()[(1, 1)]), (8, 255));
+}
+
+#[test]
+fn an_array_that_is_no_frame_is_rejected() {
+    let float =
+        |value: f32| array("<f4", "False", "(2, 2)", &[0.0, value, 0.0, 0.0].map(f32::to_le_bytes).concat());
+    let pixel =
+        |value: &str| format!("pixel at row 0, column 1 is {value}, expected a whole number from 0 to 65535");
+    for (bytes, reason) in [
+        (float(0.5), pixel("0.5")),
+        (float(-1.0), pixel("-1")),
+        (float(f32::NAN), pixel("NaN")),
+        (array("<u4", "False", "(1, 2)", &[0, 0, 0, 0, 0, 0, 1, 0]), pixel("65536")),
+        (
+            array("|u1", "False", "(4,)", &[0; 4]),
+            "an array of 4, expected rows x columns of sensor values".into(),
+        ),
+        (array("<c8", "False", "(2, 2)", &[0; 32]), "its elements are not real numbers".into()),
+        (
+            array("|u1", "False", "(2, 2)", &[0; 3]),
+            "3 bytes of data do not make 2 x 2 numbers of 1 bytes".into(),
+        ),
+        (b"\x93NUMPY\x01".to_vec(), "no whole NPY array".into()),
+    ] {
+        let error = loaded("x.npy", &bytes, RawOptions::default()).unwrap_err();
+        assert_eq!(error, format!("x.npy: damaged or unsupported: {reason}"));
+    }
+    let size = Some(Size { width: 4, height: 2 });
+    let error = loaded(
+        "x.npy",
+        &array("|u1", "False", "(2, 2)", &[0; 4]),
+        RawOptions { size, ..RawOptions::default() },
+    );
+    assert_eq!(error.unwrap_err(), "x.npy: 2x2 pixels, expected as many as stated for 4x2");
 }
 
 proptest! {
     #[test]
     fn a_frame_of_any_depth_comes_back(
-        depth in 8u32..=16, ending in prop::sample::select(vec!["png", "tif", "pgm", "raw"])
+        depth in 8u32..=16, ending in prop::sample::select(vec!["png", "tif", "pgm", "npy", "raw"])
     ) {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join(format!("frame.{ending}"));

@@ -4,7 +4,7 @@ use crate::float::format::Format;
 use crate::float::matmul::{Destination, Mat, product};
 use crate::float::parameters::Layout;
 use crate::float::real::Real;
-use crate::network::{Form, Recurrence, Shrinkage};
+use crate::network::{Form, Recurrence};
 use edof_core::colour::RGB_OUTPUTS;
 use std::ops::Range;
 
@@ -131,7 +131,7 @@ impl<T: Real> Pass<T> {
     fn shrink(&mut self, weights: &[T], t: usize, used: usize) {
         let (b, z) = (&mut self.b[t][..used], &mut self.z[t][..used]);
         self.formats[t].round_all(b);
-        shrink(self.form.shrinkage, b, &weights[self.layout.thresholds[t].clone()], z);
+        self.form.shrinkage.apply(b, &weights[self.layout.thresholds[t].clone()], z);
         self.formats[t].round_all(z);
         if let Some(budget) = self.budget {
             z.chunks_exact_mut(self.form.codes).for_each(|one| keep_largest(one, budget));
@@ -205,7 +205,7 @@ impl<T: Real> Pass<T> {
         for t in (0..self.form.shrinkages()).rev() {
             let lambda = lambdas.get(t).copied().unwrap_or(T::zero());
             loss += self.sparsity_back(weights, lambda, t, used, gradient);
-            self.shrink_back(t, used, gradient);
+            self.shrink_back(weights, t, used, gradient);
             if t > 0 {
                 self.middle_layer_back(weights, t - 1, windows, gradient);
             }
@@ -254,14 +254,19 @@ impl<T: Real> Pass<T> {
     }
 
     /// Back through the shrinkage of b_t: to b_t, to θ_t and, where b_t was summed with it, to b₁.
-    fn shrink_back(&mut self, t: usize, used: usize, gradient: &mut [T]) {
+    fn shrink_back(&mut self, weights: &[T], t: usize, used: usize, gradient: &mut [T]) {
         let carried = self.form.recurrence == Recurrence::Difference && t < self.form.middle_layers();
         if !carried {
             self.gradient_b[..used].fill(T::zero());
         }
-        let theta = &mut gradient[self.layout.thresholds[t].clone()];
-        let (z, gradient_z) = (&self.z[t][..used], &self.gradient_z[t][..used]);
-        unshrink(self.form.shrinkage, z, gradient_z, &mut self.gradient_b, theta);
+        let thresholds = self.layout.thresholds[t].clone();
+        self.form.shrinkage.pull_back(
+            &self.z[t][..used],
+            &weights[thresholds.clone()],
+            &self.gradient_z[t][..used],
+            &mut self.gradient_b,
+            &mut gradient[thresholds],
+        );
         self.formats[t].stop_clipped(&mut self.gradient_b[..used], &self.b[t][..used]);
         if self.form.recurrence == Recurrence::Direct || t == 0 {
             add(&mut self.gradient_b1[..used], &self.gradient_b);
@@ -315,41 +320,6 @@ fn errors<T: Real>(out: &mut [T], target: &[T], weight: T) -> T {
         *o = error * weight;
     }
     sum
-}
-
-/// z = σ_θ(b).
-fn shrink<T: Real>(kind: Shrinkage, b: &[T], theta: &[T], z: &mut [T]) {
-    for (b, z) in b.chunks_exact(theta.len()).zip(z.chunks_exact_mut(theta.len())) {
-        match kind {
-            Shrinkage::OneSided => {
-                for ((z, &b), &t) in z.iter_mut().zip(b).zip(theta) {
-                    *z = (b - t).max(T::zero());
-                }
-            }
-            Shrinkage::TwoSided => {
-                for ((z, &b), &t) in z.iter_mut().zip(b).zip(theta) {
-                    *z = (b - t).max(T::zero()) + (b + t).min(T::zero());
-                }
-            }
-        }
-    }
-}
-
-/// Adjoint of [`shrink`]'s derivative: adds to `gradient_b` where z is not zero, and to θ's gradient.
-fn unshrink<T: Real>(kind: Shrinkage, z: &[T], gradient_z: &[T], gradient_b: &mut [T], theta: &mut [T]) {
-    let codes = theta.len();
-    let rows =
-        z.chunks_exact(codes).zip(gradient_z.chunks_exact(codes)).zip(gradient_b.chunks_exact_mut(codes));
-    for ((z, gz), gb) in rows {
-        for (((&z, &gz), gb), theta) in z.iter().zip(gz).zip(gb).zip(theta.iter_mut()) {
-            let passed = if z == T::zero() { T::zero() } else { gz };
-            *gb += passed;
-            *theta -= match kind {
-                Shrinkage::OneSided => passed,
-                Shrinkage::TwoSided => passed.copysign(passed * z),
-            };
-        }
-    }
 }
 
 /// λ Σ |z_i|·‖column i‖ of the next layer's `matrix` (rows × codes), and its gradient for z and for the matrix.
@@ -415,20 +385,6 @@ fn keep_largest<T: Real>(numbers: &mut [T], budget: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn two_sided_shrinkage_moves_toward_zero_and_stops_there() {
-        let mut z = [0.0; 4];
-        shrink(Shrinkage::TwoSided, &[3.0, -3.0, 0.5, -0.5], &[1.0; 4], &mut z);
-        assert_eq!(z, [2.0, -2.0, 0.0, 0.0]);
-    }
-
-    #[test]
-    fn one_sided_thresholds_of_any_sign_cut_at_zero() {
-        let mut z = [0.0; 4];
-        shrink(Shrinkage::OneSided, &[3.0, -3.0, -0.5, 0.5], &[1.0, 1.0, -1.0, 1.0], &mut z);
-        assert_eq!(z, [2.0, 0.0, 0.5, 0.0]);
-    }
 
     #[test]
     fn a_budget_keeps_the_largest_and_all_of_few() {

@@ -1,8 +1,7 @@
 //! The grid on which a pupil is sampled, and the period of the field that belongs to it.
 
-use super::wave_um;
-use crate::tiles::is_smooth;
 use edof_core::camera::Camera;
+use edof_numerics::fft::is_smooth;
 
 /// The pupil's samples, 1/`support` cycles per pixel apart.
 #[derive(Debug, Clone, Copy)]
@@ -18,7 +17,7 @@ pub struct Grid {
 
 impl Grid {
     pub fn new(camera: &Camera, wavelength_nm: f64, support: usize) -> Self {
-        let radius = support as f64 * camera.pixel_pitch_um / (2.0 * wave_um(camera, wavelength_nm));
+        let radius = support as f64 * camera.pixel_pitch_um / (2.0 * camera.wave_um(wavelength_nm));
         let samples = radius.ceil() as usize + 1;
         Self { radius, samples, period: fast(4 * samples) }
     }

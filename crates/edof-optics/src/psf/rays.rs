@@ -1,13 +1,13 @@
 //! How far rays go: the reach of a PSF by geometric optics, from the slope of the wavefront.
 //!
 //! A ray through a place of the pupil meets the sensor 2·F#·|∇W| from the centre, W the optical path over the aperture of radius 1.
-//! Defocus, profile and aberrations have slopes. The edges of rings have none: they diffract ([`Pupil::edge_strength`]).
+//! Defocus and most terms of the wavefront have slopes ([`PhaseTerm::slope_at`]). The edges of rings have none: they diffract
+//! ([`Pupil::edge_strength`]). Paths are those at the reference wavelength.
 //!
 //! [`Pupil::edge_strength`]: crate::pupil::Pupil::edge_strength
 
-use super::wavefront::Term;
 use crate::depth::geometric_blur_um;
-use edof_core::camera::Camera;
+use edof_core::camera::{Camera, PhaseTerm, Place, Symmetry};
 use std::f64::consts::TAU;
 
 /// Parts of the pupil's radius, and directions where the wavefront is not round.
@@ -22,17 +22,15 @@ pub struct Rays {
 }
 
 impl Rays {
-    /// The rays from an object at `psi`. Heights of a height map are left out.
+    /// The rays from an object at `psi`. Terms whose slope is not known are left out.
     pub fn new(camera: &Camera, psi: f64) -> Self {
-        let terms: Vec<Term> = camera.aberrations.iter().map(Term::new).collect();
-        let directions = if terms.is_empty() { 1 } else { DIRECTIONS };
-        // Optical paths in micrometres for each radian.
-        let path_um = |nm: f64| nm * 1e-3 / TAU;
-        let defocus = camera.defocus_sign.factor() * (psi - camera.focus_psi);
-        let bend = 2.0 * defocus * path_um(camera.reference_wavelength_nm);
+        let nm = camera.reference_wavelength_nm;
+        let slopes: Vec<_> = sloped(camera).map(|term| term.slope_at(nm)).collect();
+        let is_round = sloped(camera).all(|term| term.symmetry() == Symmetry::Round);
+        let directions = if is_round { 1 } else { DIRECTIONS };
+        let bend = 2.0 * defocus_rad(camera, psi);
         let mut parts = vec![];
-        for [from, to, slope] in zones(camera) {
-            let tilt = slope * path_um(camera.profile.as_ref().map_or(0.0, |profile| profile.at_nm));
+        for [from, to] in zones(camera) {
             let count = ((to - from) * RADII).ceil().max(1.0);
             for part in 0..count as usize {
                 let edge = |part: usize| from + (to - from) * part as f64 / count;
@@ -40,12 +38,12 @@ impl Rays {
                 let rho = 0.5 * (low + high);
                 let share = (high * high - low * low) / directions as f64;
                 parts.extend((0..directions).map(|direction| {
-                    let angle = TAU * direction as f64 / directions as f64;
-                    let (outward, around) = terms.iter().fold((bend * rho + tilt, 0.0), |sum, term| {
-                        let (outward, around) = term.slope(rho, angle);
-                        (sum.0 + outward * 1e-3, sum.1 + around * 1e-3)
+                    let at = Place::polar(rho, TAU * direction as f64 / directions as f64);
+                    let [outward, around] = slopes.iter().fold([bend * rho, 0.0], |sum, slope| {
+                        let [outward, around] = slope(at);
+                        [sum[0] + outward, sum[1] + around]
                     });
-                    [2.0 * camera.f_number() * outward.hypot(around), share]
+                    [distance_um(camera, outward.hypot(around)), share]
                 }));
             }
         }
@@ -73,29 +71,45 @@ impl Rays {
 pub fn reach_um(camera: &Camera, psi: f64) -> f64 {
     /// Share of light: less than a kernel's cut leaves out.
     const NEXT_TO_NONE: f64 = 1e-4;
-    if camera.profile.is_none() && camera.aberrations.is_empty() {
+    if sloped(camera).next().is_none() {
         return 0.5 * geometric_blur_um(camera, psi);
     }
     Rays::new(camera, psi).reach_um(NEXT_TO_NONE)
 }
 
-/// Zones of the pupil in which the profile has one slope: from, to, radians per radius of the aperture.
-fn zones(camera: &Camera) -> Vec<[f64; 3]> {
-    let points = camera.profile.as_ref().map_or(&[][..], |profile| &profile.points);
-    let ends = points.first().zip(points.last());
-    let sloped = points.windows(2).map(|pair| {
-        let ([from, a], [to, b]) = (pair[0], pair[1]);
-        [from, to, (b - a) / (to - from)]
-    });
-    let (first, last) = ends.map_or((1.0, 1.0), |(first, last)| (first[0], last[0]));
-    let flat = [[0.0, first, 0.0], [last, 1.0, 0.0]].into_iter();
-    flat.chain(sloped).filter(|[from, to, _]| to > from).collect()
+/// Distance in micrometres beyond which no ray goes, from the largest slopes alone.
+pub fn bound_um(camera: &Camera, psi: f64) -> f64 {
+    let slopes = camera.terms().filter_map(|term| term.largest_slope(camera.reference_wavelength_nm));
+    distance_um(camera, 2.0 * defocus_rad(camera, psi).abs() + slopes.sum::<f64>())
+}
+
+/// Phase of the defocus at the pupil's edge at the reference wavelength.
+fn defocus_rad(camera: &Camera, psi: f64) -> f64 {
+    camera.defocus_sign.factor() * (psi - camera.focus_psi)
+}
+
+/// Where a ray meets the sensor that leaves a place of this slope, in radians at the reference wavelength per radius of the aperture.
+fn distance_um(camera: &Camera, slope: f64) -> f64 {
+    2.0 * camera.f_number() * slope * camera.reference_wavelength_nm * 1e-3 / TAU
+}
+
+/// Terms that have slopes, known ones.
+fn sloped(camera: &Camera) -> impl Iterator<Item = &dyn PhaseTerm> {
+    let nm = camera.reference_wavelength_nm;
+    camera.terms().filter(move |term| term.largest_slope(nm).is_some_and(|slope| slope > 0.0))
+}
+
+/// Zones of the pupil, from and to, in which no slope jumps.
+fn zones(camera: &Camera) -> Vec<[f64; 2]> {
+    let mut edges: Vec<f64> = sloped(camera).flat_map(PhaseTerm::kinks).chain([0.0, 1.0]).collect();
+    edges.sort_by(f64::total_cmp);
+    edges.windows(2).map(|edge| [edge[0], edge[1]]).filter(|[from, to]| to > from).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_core::camera::{Aberration, Profile};
+    use edof_core::camera::{Aberration, Profile, Zernike};
     use std::f64::consts::PI;
 
     fn clear() -> Camera {
@@ -103,7 +117,7 @@ mod tests {
     }
 
     fn aberrated(noll: u32, rms_nm: f64) -> Camera {
-        Camera { aberrations: vec![Aberration { noll, rms_nm }], ..clear() }
+        Camera { aberrations: Zernike(vec![Aberration { noll, rms_nm }]), ..clear() }
     }
 
     #[test]
@@ -132,7 +146,7 @@ mod tests {
     #[test]
     fn rays_of_a_profile_leave_by_its_slope() {
         let profile = Profile { at_nm: 500.0, points: vec![[0.5, 0.0], [1.0, 10.0 * PI]] };
-        let rays = Rays::new(&Camera { profile: Some(profile), ..clear() }, 0.0);
+        let rays = Rays::new(&Camera { mask: [profile].into_iter().collect(), ..clear() }, 0.0);
         // The outer three quarters of the light: 20π rad per radius are 5 µm of path.
         let reach = 2.0 * clear().f_number() * 5.0;
         assert!((rays.reach_um(0.7) / reach - 1.0).abs() < 1e-9);

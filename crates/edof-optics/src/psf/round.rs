@@ -5,11 +5,11 @@
 
 use super::grid::Grid;
 use crate::cosine::{EvenTransform, period};
-use crate::pupil::Pupil;
-use edof_core::camera::Camera;
+use crate::pupil::{Pupil, squared_change};
+use edof_core::camera::{Camera, Place};
 use edof_numerics::fft::{Complex64, Fft, Real};
 use edof_numerics::sinc;
-use ndarray::{Array1, Array2};
+use ndarray::{Array1, Array2, ArrayView1};
 use std::sync::Arc;
 
 /// Rows transformed before any is written: with 8 a written cache line is filled at once.
@@ -20,11 +20,27 @@ const BLOCK: usize = 8;
 #[must_use]
 pub fn quarter_psf(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize) -> Array2<f64> {
     let spectrum = pixel_transfer(camera, wavelength_nm, psi, support);
+    pixels_of(&spectrum).mapv(|v| v.max(0.0))
+}
+
+/// What pixels collect behind a sampled pupil, as a share of `light`, laid out as [`quarter_psf`]'s; or how it changes with the pupil.
+pub(crate) fn pixels(
+    pupil: &Array2<Complex64>,
+    change: Option<&Array2<Complex64>>,
+    grid: Grid,
+    support: usize,
+    light: f64,
+) -> Array2<f64> {
+    pixels_of(&transfer(pupil, change, light, grid, &folded(grid.band(), support), support / 2 + 1))
+}
+
+/// From frequencies back to pixels.
+fn pixels_of(spectrum: &Array2<f64>) -> Array2<f64> {
     let n = spectrum.nrows();
     let transform = EvenTransform::new(n);
     let half_way = transform.rows_transposed(spectrum.view(), n);
     let scale = 1.0 / (period(n) * period(n)) as f64;
-    transform.rows_transposed(half_way.view(), n).mapv(|v| (v * scale).max(0.0))
+    transform.rows_transposed(half_way.view(), n).mapv(|v| v * scale)
 }
 
 /// Fourier transform of the sampled PSF, [`quarter_psf`]: the OTF times the pixel's footprint, folded at the sensor's sampling
@@ -32,7 +48,8 @@ pub fn quarter_psf(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize
 #[must_use]
 pub fn pixel_transfer(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize) -> Array2<f64> {
     let grid = Grid::new(camera, wavelength_nm, support);
-    transfer(camera, wavelength_nm, psi, grid, &folded(grid.band(), support), support / 2 + 1)
+    let pupil = pupil(camera, wavelength_nm, psi, grid);
+    transfer(&pupil, None, light(&pupil, None), grid, &folded(grid.band(), support), support / 2 + 1)
 }
 
 /// The optical transfer function at one wavelength, without the pixel's footprint: entry (r, c) is at the frequency
@@ -40,7 +57,8 @@ pub fn pixel_transfer(camera: &Camera, wavelength_nm: f64, psi: f64, support: us
 #[must_use]
 pub fn quarter_otf(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize) -> Array2<f64> {
     let grid = Grid::new(camera, wavelength_nm, support);
-    transfer(camera, wavelength_nm, psi, grid, &unfolded(grid.band()), grid.band())
+    let pupil = pupil(camera, wavelength_nm, psi, grid);
+    transfer(&pupil, None, light(&pupil, None), grid, &unfolded(grid.band()), grid.band())
 }
 
 /// The first row of [`quarter_otf`], at a small part of its cost: the transform of the PSF's projection (the line spread function),
@@ -80,9 +98,14 @@ fn folded(band: usize, support: usize) -> Places {
     (0..band).map(place).collect()
 }
 
-/// A quarter of the sampled pupil, with the axes. It is its own mirror image about the diagonal.
+/// A quarter of the sampled pupil, with the axes.
 fn pupil(camera: &Camera, wavelength_nm: f64, psi: f64, grid: Grid) -> Array2<Complex64> {
     let pupil = Pupil::new(camera, wavelength_nm, psi);
+    samples(grid, |at| pupil.sample(at.rho, 1.0 / grid.radius))
+}
+
+/// A quarter of a round pupil, or of its change, with the axes. It is its own mirror image about the diagonal.
+pub(crate) fn samples(grid: Grid, pupil: impl Fn(Place) -> Complex64) -> Array2<Complex64> {
     let mut plane = Array2::from_elem((grid.samples, grid.samples), Complex64::default());
     for r in 0..grid.samples {
         for c in r..grid.samples {
@@ -90,30 +113,37 @@ fn pupil(camera: &Camera, wavelength_nm: f64, psi: f64, grid: Grid) -> Array2<Co
             if !inside {
                 break;
             }
-            let sample = pupil.sample(rho, 1.0 / grid.radius);
+            let sample = pupil(Place { x: rho, y: 0.0, rho });
             (plane[(r, c)], plane[(c, r)]) = (sample, sample);
         }
     }
     plane
 }
 
-/// The OTF, its frequencies put in their `places` along rows and columns, `side` squared.
+/// Light behind a sampled pupil, or how it changes with the pupil.
+pub(crate) fn light(pupil: &Array2<Complex64>, change: Option<&Array2<Complex64>>) -> f64 {
+    let count = |i: usize| if i == 0 { 1.0 } else { 2.0 };
+    let share = |((r, c), v): ((usize, usize), &Complex64)| {
+        count(r) * count(c) * change.map_or_else(|| v.norm_sqr(), |change| squared_change(*v, change[(r, c)]))
+    };
+    pupil.indexed_iter().map(share).sum()
+}
+
+/// The OTF, its frequencies put in their `places` along rows and columns, `side` squared; or how it changes with the pupil.
 fn transfer(
-    camera: &Camera,
-    wavelength_nm: f64,
-    psi: f64,
+    pupil: &Array2<Complex64>,
+    change: Option<&Array2<Complex64>>,
+    light: f64,
     grid: Grid,
     places: &[(usize, f64)],
     side: usize,
 ) -> Array2<f64> {
-    let pupil = pupil(camera, wavelength_nm, psi, grid);
-    let count = |i: usize| if i == 0 { 1.0 } else { 2.0 };
-    let light: f64 = pupil.indexed_iter().map(|((r, c), v)| count(r) * count(c) * v.norm_sqr()).sum();
     // The transforms give a period squared times the pupil's correlation with itself.
     let scale = 1.0 / (light * (grid.period * grid.period) as f64);
     let mut cosines = Cosines::new(grid.period / 2);
-    let half_way = half_way(&mut cosines, &pupil);
-    let along_rows = squared_field(&mut cosines, &half_way, places, side);
+    let field = half_way(&mut cosines, pupil);
+    let change = change.map(|change| half_way(&mut cosines, change));
+    let along_rows = squared_field(&mut cosines, &field, change.as_ref(), places, side);
     let mut out = Array2::from_elem((side, side), 0.0);
     let mut spectrum = vec![Complex64::default(); cosines.len()];
     for first in (0..side).step_by(2) {
@@ -149,30 +179,43 @@ fn half_way(cosines: &mut Cosines, pupil: &Array2<Complex64>) -> Array2<Complex6
     out
 }
 
-/// Spectra of the rows of the field's squared magnitude, their frequencies in their places, as columns: `side` × points of the period.
+/// The field's squared magnitude along one of its rows, or how it changes with the field.
+fn squared(
+    cosines: &mut Cosines,
+    field: ArrayView1<Complex64>,
+    change: Option<ArrayView1<Complex64>>,
+) -> Vec<f64> {
+    let mut one = vec![Complex64::default(); cosines.len()];
+    cosines.of(field.iter().copied(), &mut one);
+    let Some(change) = change else { return one.iter().map(Complex64::norm_sqr).collect() };
+    let mut other = one.clone();
+    cosines.of(change.iter().copied(), &mut other);
+    one.iter().zip(&other).map(|(v, change)| squared_change(*v, *change)).collect()
+}
+
+/// Spectra of [`squared`] along all rows, their frequencies in their places, as columns: `side` × points of the period.
 fn squared_field(
     cosines: &mut Cosines,
-    half_way: &Array2<Complex64>,
+    field: &Array2<Complex64>,
+    change: Option<&Array2<Complex64>>,
     places: &[(usize, f64)],
     side: usize,
 ) -> Array2<f64> {
     let points = cosines.len();
     let mut out = Array2::from_elem((side, points), 0.0);
     let mut block = vec![vec![Complex64::default(); side]; BLOCK / 2];
-    let [mut one, mut other] = [(); 2].map(|()| vec![Complex64::default(); points]);
+    let mut spectrum = vec![Complex64::default(); points];
     for first in (0..points).step_by(BLOCK) {
         let rows = BLOCK.min(points - first);
         // Two real rows share a complex one.
         for (pair, folded) in block.iter_mut().take(rows.div_ceil(2)).enumerate() {
-            let [a, b] = [0, 1].map(|i| (first + 2 * pair + i).min(points - 1));
-            cosines.of(half_way.row(a).iter().copied(), &mut one);
-            cosines.of(half_way.row(b).iter().copied(), &mut other);
-            for (a, b) in one.iter_mut().zip(&other) {
-                *a = Complex64::new(a.norm_sqr(), b.norm_sqr());
-            }
-            cosines.of(one.iter().copied(), &mut other);
+            let [one, other] = [0, 1].map(|i| {
+                let row = (first + 2 * pair + i).min(points - 1);
+                squared(cosines, field.row(row), change.map(|change| change.row(row)))
+            });
+            cosines.of(one.iter().zip(&other).map(|(&a, &b)| Complex64::new(a, b)), &mut spectrum);
             folded.fill(Complex64::default());
-            for (&(index, factor), v) in places.iter().zip(&other) {
+            for (&(index, factor), v) in places.iter().zip(&spectrum) {
                 folded[index] += v * factor;
             }
         }

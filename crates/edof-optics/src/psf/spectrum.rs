@@ -1,6 +1,6 @@
 //! The wavelengths that a colour's spectrum is sampled at, and the sum of what they give.
 
-use super::Settings;
+use super::settings::Settings;
 use edof_core::camera::Spectrum;
 use ndarray::Array2;
 
@@ -9,7 +9,7 @@ const MAX_WAVELENGTHS: usize = 27;
 
 /// PSF of a spectrum: as many wavelengths as the tolerance needs, tripled until the PSF no longer moves. `at` gives that of one
 /// wavelength, `light` the sum over a plane.
-pub(super) fn summed(
+pub fn summed(
     spectrum: &Spectrum,
     settings: &Settings,
     at: impl Fn(f64) -> Array2<f64>,

@@ -1,11 +1,11 @@
-//! PSFs of lenses whose wavefront is not round: the pupil with its Zernike terms and the surface of its mask, transformed whole.
+//! PSFs of lenses whose wavefront is not round: the pupil with all its terms, transformed whole.
 //!
 //! The steps are those of the round case ([`super::round`]). The only symmetry left is that light is real.
 
 use super::grid::Grid;
-use super::{OUTSIDE, wave_um};
-use crate::pupil::Pupil;
-use edof_core::camera::{Aberration, Camera};
+use super::support::{OUTSIDE, SUPPORT};
+use crate::pupil::{Pupil, squared_change};
+use edof_core::camera::{Camera, Place};
 use edof_numerics::fft::{Complex64, Fft, Real};
 use edof_numerics::sinc;
 use ndarray::{Array2, ArrayView1};
@@ -23,16 +23,17 @@ const MAX_POINTS: usize = 4096;
 pub fn room(camera: &Camera, wavelength_nm: f64) -> usize {
     let room = MAX_POINTS / steps_a_pixel(camera, wavelength_nm);
     let room = if room.is_power_of_two() { room } else { room.next_power_of_two() / 2 };
-    room.min(super::SUPPORT)
+    room.min(SUPPORT)
 }
 
-/// The support that a grid has room for, at most `wanted` pixels a side. A mask of any shape may throw light farther than its lens: then
-/// it is larger, as far as there is room. With it comes the share of light that still falls near the edges of the largest support, and so
+/// The support that a grid has room for, at most `wanted` pixels a side. A term whose slope is not known may throw light farther than its
+/// lens: then it is larger, as far as there is room. With it comes the share of light that still falls near the edges of the largest support, and so
 /// beyond it; 0 where that is less than [`OUTSIDE`].
 pub fn support(camera: &Camera, wavelength_nm: f64, psi: f64, wanted: usize) -> (usize, f64) {
     let room = room(camera, wavelength_nm);
     let mut support = wanted.min(room);
-    while camera.height_map.is_some() {
+    let is_measured = camera.terms().any(|term| term.largest_slope(wavelength_nm).is_none());
+    while is_measured {
         let sums = square_sums(&whole_psf(camera, wavelength_nm, psi, support));
         // With room left the middle half of the sides must hold the light, else three quarters.
         let within = if support < room { support / 4 } else { 3 * support / 8 };
@@ -49,13 +50,35 @@ pub fn support(camera: &Camera, wavelength_nm: f64, psi: f64, wanted: usize) -> 
 /// The PSF at one wavelength, integrated over pixels: offset (r, c) from the middle at index (r, c) modulo `support`. Sums to 1.
 pub fn whole_psf(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize) -> Array2<f64> {
     let grid = Grid::new(camera, wavelength_nm, support);
-    let pupil = pupil(camera, wavelength_nm, psi, grid);
-    let light: f64 = pupil.iter().map(|v| v.norm_sqr()).sum();
+    let pupil = Pupil::new(camera, wavelength_nm, psi);
+    let samples = samples(grid, |at| pupil.sample_at(at, 1.0 / grid.radius));
+    let mut psf = pixels(&samples, None, grid, support, light(&samples, None));
+    psf.mapv_inplace(|v| v.max(0.0));
+    psf
+}
+
+/// Light behind a sampled pupil, or how it changes with the pupil.
+pub fn light(pupil: &Array2<Complex64>, change: Option<&Array2<Complex64>>) -> f64 {
+    match change {
+        None => pupil.iter().map(Complex64::norm_sqr).sum(),
+        Some(change) => pupil.iter().zip(change).map(|(v, change)| squared_change(*v, *change)).sum(),
+    }
+}
+
+/// What pixels collect behind a sampled pupil, as a share of `light`, laid out as [`whole_psf`]'s; or how it changes with the pupil.
+pub fn pixels(
+    pupil: &Array2<Complex64>,
+    change: Option<&Array2<Complex64>>,
+    grid: Grid,
+    support: usize,
+    light: f64,
+) -> Array2<f64> {
     let scale = 1.0 / (light * (grid.period * grid.period) as f64 * (support * support) as f64);
     let frequencies = frequencies(grid, support);
     let (mut forward, mut back) = (Lines::new(grid.period), Lines::new(support));
-    let field = half_way(&mut forward, &pupil, grid);
-    let down = squared_field(&mut forward, &field, &frequencies, support);
+    let field = half_way(&mut forward, pupil, grid);
+    let change = change.map(|change| half_way(&mut forward, change, grid));
+    let down = squared_field(&mut forward, &field, change.as_ref(), &frequencies, support);
     // The other axis, folded, and the first step of the way back: by the same transform, since spectra are conjugated.
     let mut half = Array2::from_elem((support / 2 + 1, support), ZERO);
     for (column, mut out) in down.outer_iter().zip(half.outer_iter_mut()) {
@@ -105,23 +128,42 @@ fn wrap(line: &mut [Complex64], values: ArrayView1<Complex64>, reach: usize) {
     }
 }
 
-/// Spectra of the field's squared magnitude down its columns, folded: frequencies 0…`support`/2 × points of the period.
+/// The field's squared magnitude down one of its columns, or how it changes with the field.
+fn squared(
+    forward: &mut Lines,
+    field: ArrayView1<Complex64>,
+    change: Option<ArrayView1<Complex64>>,
+) -> Vec<f64> {
+    let reach = field.len() / 2;
+    let field = forward.of(|line| wrap(line, field, reach));
+    let Some(change) = change else { return field.iter().map(Complex64::norm_sqr).collect() };
+    let field = field.to_vec();
+    let change = forward.of(|line| wrap(line, change, reach));
+    field.iter().zip(change).map(|(v, change)| squared_change(*v, *change)).collect()
+}
+
+/// Spectra of [`squared`] down all columns, folded: frequencies 0…`support`/2 × points of the period.
 fn squared_field(
     forward: &mut Lines,
-    half_way: &Array2<Complex64>,
+    field: &Array2<Complex64>,
+    change: Option<&Array2<Complex64>>,
     frequencies: &[(usize, usize, f64)],
     support: usize,
 ) -> Array2<Complex64> {
-    let (period, reach) = (half_way.nrows(), half_way.ncols() / 2);
+    let period = field.nrows();
     let mut out = Array2::from_elem((support / 2 + 1, period), ZERO);
     let mut light = vec![ZERO; period];
     let mut block = vec![vec![ZERO; support / 2 + 1]; BLOCK];
     for first in (0..period).step_by(BLOCK) {
         for (pair, two) in block.chunks_exact_mut(2).enumerate() {
-            let one = forward.of(|line| wrap(line, half_way.row(first + 2 * pair), reach));
-            light.iter_mut().zip(one).for_each(|(to, v)| to.re = v.norm_sqr());
-            let other = forward.of(|line| wrap(line, half_way.row(first + 2 * pair + 1), reach));
-            light.iter_mut().zip(other).for_each(|(to, v)| to.im = v.norm_sqr());
+            let [one, other] = [0, 1].map(|i| {
+                let column = first + 2 * pair + i;
+                squared(forward, field.row(column), change.map(|change| change.row(column)))
+            });
+            light
+                .iter_mut()
+                .zip(one.iter().zip(&other))
+                .for_each(|(to, (&a, &b))| *to = Complex64::new(a, b));
             // Two real columns share a complex one: the transform of each is its own mirror image, conjugated.
             let both = forward.of(|line| line.copy_from_slice(&light));
             two.iter_mut().for_each(|folded| folded.fill(ZERO));
@@ -152,7 +194,7 @@ fn rows_of_light(back: &mut Lines, half: &Array2<Complex64>) -> Array2<f64> {
             }
         });
         for (mut row, v) in out.outer_iter_mut().zip(columns) {
-            (row[first], row[first + 1]) = (v.re.max(0.0), v.im.max(0.0));
+            (row[first], row[first + 1]) = (v.re, v.im);
         }
     }
     out
@@ -180,79 +222,17 @@ pub fn square_sums(plane: &Array2<f64>) -> Vec<f64> {
 
 /// Grid steps a pixel: the spacing is at most half of λF#, so that the PSF's band, ±1/(λF#), fits.
 fn steps_a_pixel(camera: &Camera, wavelength_nm: f64) -> usize {
-    (2.0 * camera.pixel_pitch_um / wave_um(camera, wavelength_nm)).ceil().max(1.0) as usize
+    (2.0 * camera.pixel_pitch_um / camera.wave_um(wavelength_nm)).ceil().max(1.0) as usize
 }
 
-/// The sampled pupil, zero frequency in its middle.
-fn pupil(camera: &Camera, wavelength_nm: f64, psi: f64, grid: Grid) -> Array2<Complex64> {
-    let round = Pupil::new(camera, wavelength_nm, psi);
-    let terms: Vec<Term> = camera.aberrations.iter().map(Term::new).collect();
-    let white_rad = camera.height_map.as_ref().map_or(0.0, |map| map.white_rad(wavelength_nm));
+/// A pupil, or its change, sampled whole, zero frequency in the middle.
+pub fn samples(grid: Grid, pupil: impl Fn(Place) -> Complex64) -> Array2<Complex64> {
     let reach = grid.samples as isize - 1;
     Array2::from_shape_fn((2 * grid.samples - 1, 2 * grid.samples - 1), |(r, c)| {
-        let (down, across) = (r as isize - reach, c as isize - reach);
-        let (rho, inside) = grid.at(down as f64, across as f64);
-        if !inside {
-            return ZERO;
-        }
-        let sample = round.sample(rho, 1.0 / grid.radius);
-        let (x, y) = (across as f64 / grid.radius, -down as f64 / grid.radius);
-        let angle = y.atan2(x);
-        let path_nm: f64 = terms.iter().map(|term| term.at(rho, angle)).sum();
-        let surface = camera.height_map.as_ref().map_or(0.0, |map| map.at(x, y)) * white_rad;
-        sample * Complex64::cis(std::f64::consts::TAU * path_nm / wavelength_nm + surface)
+        let (up, right) = ((reach - r as isize) as f64, (c as isize - reach) as f64);
+        let (rho, inside) = grid.at(up, right);
+        if inside { pupil(Place { x: right / grid.radius, y: up / grid.radius, rho }) } else { ZERO }
     })
-}
-
-/// One Zernike term, ready to be evaluated.
-pub struct Term {
-    rms_nm: f64,
-    /// Azimuthal order; of sines where it is below zero.
-    m: i32,
-    /// Coefficient of each power of the radius.
-    radial: Vec<(f64, i32)>,
-}
-
-impl Term {
-    /// Noll's Z_j = √(n + 1)·R(ρ)·(1, √2·cos mθ for even j, √2·sin mθ for odd j).
-    pub fn new(Aberration { noll, rms_nm }: &Aberration) -> Self {
-        let (mut n, mut rest) = (0i32, *noll as i32 - 1);
-        while rest > n {
-            n += 1;
-            rest -= n;
-        }
-        let order = n % 2 + 2 * ((rest + (n + 1) % 2) / 2);
-        let factorial = |k: i32| (1..=k).map(f64::from).product::<f64>();
-        let norm = f64::from(n + 1).sqrt() * if order == 0 { 1.0 } else { std::f64::consts::SQRT_2 };
-        let coefficient = |k: i32| {
-            let below = factorial(k) * factorial((n + order) / 2 - k) * factorial((n - order) / 2 - k);
-            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
-            (norm * sign * factorial(n - k) / below, n - 2 * k)
-        };
-        let m = if noll % 2 == 0 { order } else { -order };
-        Self { rms_nm: *rms_nm, m, radial: (0..=(n - order) / 2).map(coefficient).collect() }
-    }
-
-    /// Optical path in nanometres; the angle is from the right, upward.
-    fn at(&self, rho: f64, angle: f64) -> f64 {
-        let radial: f64 = self.radial.iter().map(|&(factor, power)| factor * rho.powi(power)).sum();
-        let turn = f64::from(self.m) * angle;
-        self.rms_nm * radial * if self.m < 0 { -turn.sin() } else { turn.cos() }
-    }
-
-    /// Slope of the path in nanometres per radius of the aperture, outward and around.
-    pub fn slope(&self, rho: f64, angle: f64) -> (f64, f64) {
-        let m = f64::from(self.m);
-        let (sine, cosine) = (m * angle).sin_cos();
-        let (wave, turned) = if self.m < 0 { (-sine, -cosine) } else { (cosine, -sine) };
-        let (mut outward, mut around) = (0.0, 0.0);
-        for &(factor, power) in self.radial.iter().filter(|(_, power)| *power > 0) {
-            let value = factor * rho.powi(power - 1);
-            outward += f64::from(power) * value * wave;
-            around += m * value * turned;
-        }
-        (self.rms_nm * outward, self.rms_nm * around)
-    }
 }
 
 /// Forward transforms of one length, each in the same buffer.
@@ -280,11 +260,14 @@ impl Lines {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::psf::quarter_psf;
-    use edof_core::camera::height_map::HeightMap;
+    use crate::psf::round::quarter_psf;
+    use edof_core::camera::{Aberration, HeightMap, Mask, Zernike};
 
     fn aberrated(noll: u32, rms_nm: f64) -> Camera {
-        Camera { aberrations: vec![Aberration { noll, rms_nm }], ..Camera::resolve("clear").unwrap() }
+        Camera {
+            aberrations: Zernike(vec![Aberration { noll, rms_nm }]),
+            ..Camera::resolve("clear").unwrap()
+        }
     }
 
     /// Middle of the light in pixels, down and across.
@@ -310,7 +293,8 @@ mod tests {
     /// The PSF by its definition: the pupil's correlation with itself times the pixel's footprint, wave by wave.
     fn by_definition(camera: &Camera, nm: f64, psi: f64, support: usize) -> Array2<f64> {
         let grid = Grid::new(camera, nm, support);
-        let pupil = pupil(camera, nm, psi, grid);
+        let lens = Pupil::new(camera, nm, psi);
+        let pupil = samples(grid, |at| lens.sample_at(at, 1.0 / grid.radius));
         let (side, band) = (pupil.nrows() as isize, 2 * grid.samples as isize - 2);
         let correlation = |down: isize, across: isize| -> Complex64 {
             let at = |i: isize, by: isize| (0..side).contains(&(i - by)).then(|| (i - by) as usize);
@@ -335,7 +319,8 @@ mod tests {
     #[test]
     fn psfs_are_the_sums_that_define_them() {
         let ring = Camera::resolve("ring-outer").unwrap();
-        let coma = Camera { aberrations: vec![Aberration { noll: 8, rms_nm: 60.0 }], ..ring.clone() };
+        let coma =
+            Camera { aberrations: Zernike(vec![Aberration { noll: 8, rms_nm: 60.0 }]), ..ring.clone() };
         // Pixels of other sizes fold other frequencies over each other.
         for (pitch, nm, psi) in [(3.0, 460.0, 7.0), (3.0, 610.0, 0.0), (5.0, 535.0, 2.0), (1.1, 535.0, 2.0)] {
             let of = |camera: &Camera| Camera { pixel_pitch_um: pitch, ..camera.clone() };
@@ -346,27 +331,6 @@ mod tests {
             let expected = by_definition(&of(&coma), nm, psi, 16);
             let whole = whole_psf(&of(&coma), nm, psi, 16);
             assert!(whole.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-12), "{pitch} {nm} {psi}");
-        }
-    }
-
-    #[test]
-    fn terms_are_nolls() {
-        let value = |noll, rho: f64, angle: f64| Term::new(&Aberration { noll, rms_nm: 1.0 }).at(rho, angle);
-        let (rho, angle) = (0.7f64, 0.4f64);
-        let known = [
-            (2, 2.0 * rho * angle.cos()),
-            (3, 2.0 * rho * angle.sin()),
-            (4, 3f64.sqrt() * (2.0 * rho.powi(2) - 1.0)),
-            (5, 6f64.sqrt() * rho.powi(2) * (2.0 * angle).sin()),
-            (6, 6f64.sqrt() * rho.powi(2) * (2.0 * angle).cos()),
-            (7, 8f64.sqrt() * (3.0 * rho.powi(3) - 2.0 * rho) * angle.sin()),
-            (8, 8f64.sqrt() * (3.0 * rho.powi(3) - 2.0 * rho) * angle.cos()),
-            (9, 8f64.sqrt() * rho.powi(3) * (3.0 * angle).sin()),
-            (10, 8f64.sqrt() * rho.powi(3) * (3.0 * angle).cos()),
-            (11, 5f64.sqrt() * (6.0 * rho.powi(4) - 6.0 * rho.powi(2) + 1.0)),
-        ];
-        for (noll, expected) in known {
-            assert!((value(noll, rho, angle) - expected).abs() < 1e-12, "{noll}");
         }
     }
 
@@ -384,18 +348,22 @@ mod tests {
 
     /// A clear lens with a mask of a surface, heights by place in the aperture, of one wave of 535 nm where it is white.
     fn masked(height: impl Fn(f64, f64) -> f64) -> Camera {
+        surfaced(1.07, height)
+    }
+
+    fn surfaced(white_um: f64, height: impl Fn(f64, f64) -> f64) -> Camera {
         let side = 512;
         let place = |i: usize| (i as f64 + 0.5) / f64::from(side as u32) * 2.0 - 1.0;
         let heights = Array2::from_shape_fn((side, side), |(r, c)| height(place(c), -place(r)) as f32);
         let mut map = HeightMap {
             file: "mask.png".into(),
-            white_um: 1.07,
+            white_um,
             cauchy: [1.5, 0.0],
             sha256: String::new(),
             heights: None,
         };
         map.take(heights, "mask.png".into(), "masked").unwrap();
-        Camera { height_map: Some(map), ..Camera::resolve("clear").unwrap() }
+        Camera { mask: Mask::from_iter([map]), ..Camera::resolve("clear").unwrap() }
     }
 
     fn furthest(a: &Array2<f64>, b: &Array2<f64>) -> f64 {
@@ -427,8 +395,7 @@ mod tests {
     fn light_that_a_mask_throws_far_has_room() {
         let support = |camera: &Camera| support(camera, 535.0, 0.0, 256).0;
         assert_eq!(support(&masked(|x, y| 0.5 * (x * x + y * y))), 256);
-        let mut far = masked(|x, _| 0.5 + 0.5 * (6.0 * std::f64::consts::PI * x).cos());
-        far.height_map.as_mut().unwrap().white_um = 20.0;
+        let far = surfaced(20.0, |x, _| 0.5 + 0.5 * (6.0 * std::f64::consts::PI * x).cos());
         assert!(support(&far) > 256);
     }
 

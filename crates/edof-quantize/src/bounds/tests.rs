@@ -3,7 +3,7 @@ use crate::float_reference::FloatReference;
 use edof_core::draw::Draw;
 use edof_core::{Stride, Window};
 use edof_golden::scalar;
-use edof_network::network::Form;
+use edof_network::network::{Form, Shrinkage};
 use proptest::prelude::*;
 
 proptest! {
@@ -11,17 +11,10 @@ proptest! {
 
     #[test]
     fn no_window_is_further_off_than_the_bound(
-        layers in 2usize..=5, flags: [bool; 4], tight: bool, bits in 8u32..=16, seed: u64
+        layers in 2usize..=5, shrinkage in prop::sample::select(&Shrinkage::ALL[..]), flags: [bool; 3], tight: bool,
+        bits in 8u32..=16, seed: u64
     ) {
-        let form = Form {
-            window: Window::new(8).unwrap(),
-            codes: 5,
-            layers,
-            shrinkage: if flags[0] { Shrinkage::OneSided } else { Shrinkage::TwoSided },
-            recurrence: if flags[1] { Recurrence::Difference } else { Recurrence::Direct },
-            linear_path: flags[2],
-            tied: flags[3],
-        };
+        let form = Form { codes: 5, ..form(layers, shrinkage, flags) };
         let fixed = edof_device::random::extreme(form, bits, Stride::PATCH, tight, seed);
         prop_assume!(fixed.check().is_ok());
         // Weights that are off by up to a last bit, too.
@@ -55,23 +48,24 @@ fn one_stage_of_words_without_error_is_off_by_half_a_bit() {
     assert!(bounds[1].summary().worst_bits > 0.5);
 }
 
-fn form(layers: usize, flags: [bool; 4]) -> Form {
+fn form(layers: usize, shrinkage: Shrinkage, flags: [bool; 3]) -> Form {
     Form {
         window: Window::new(8).unwrap(),
         codes: 3,
         layers,
-        shrinkage: if flags[0] { Shrinkage::OneSided } else { Shrinkage::TwoSided },
-        recurrence: if flags[1] { Recurrence::Difference } else { Recurrence::Direct },
-        linear_path: flags[2],
-        tied: flags[3],
+        shrinkage,
+        recurrence: if flags[0] { Recurrence::Difference } else { Recurrence::Direct },
+        linear_path: flags[1],
+        tied: flags[2],
     }
 }
 
 /// Small networks of every form: weights of full size, and smaller ones that saturate less.
 fn networks() -> impl Iterator<Item = (u64, FixedNetwork)> {
     (0..96u64).map(|seed| {
-        let flags = [1, 2, 4, 8].map(|bit| seed & bit != 0);
-        let form = form(2 + (seed / 2 % 4) as usize, flags);
+        let flags = [2, 4, 8].map(|bit| seed & bit != 0);
+        let shrinkage = Shrinkage::ALL[seed as usize % Shrinkage::ALL.len()];
+        let form = form(2 + (seed / 2 % 4) as usize, shrinkage, flags);
         let mut fixed = edof_device::random::extreme(form, 12, Stride::PATCH, seed % 5 == 0, seed);
         let divisor = [1, 16, 64, 256][(seed / 16 % 4) as usize];
         let matrices = [&mut fixed.analysis, &mut fixed.dictionary].into_iter();
@@ -137,16 +131,16 @@ fn plain_held([low, high, off]: Line, [min, max]: [f64; 2]) -> Line {
 }
 
 fn plain_shrunk(shrinkage: Shrinkage, b: Line, used: f64, exact: f64, relative: f64) -> Line {
-    let two_sided = shrinkage == Shrinkage::TwoSided;
-    let shrink = |v: f64| match v {
-        v if v > exact => v - exact,
-        v if two_sided && v < -exact => v + exact,
-        _ => 0.0,
+    let soft = |v: f64| (v - exact).max(0.0);
+    let firm = |v: f64| if v > 2.0 * exact { v } else { 2.0 * soft(v) };
+    let (low, high, farthest, slope) = match shrinkage {
+        Shrinkage::TwoSided => (soft(b[0]) - soft(-b[0]), soft(b[1]) - soft(-b[1]), magnitude(b), 1.0),
+        Shrinkage::OneSided => (soft(b[0]), soft(b[1]), b[1], 1.0),
+        Shrinkage::Firm => (firm(b[0]) - firm(-b[0]), firm(b[1]) - firm(-b[1]), magnitude(b), 2.0),
     };
     let rounding = 3.0 * relative * (magnitude(b) + b[2] + exact.abs());
     let off = b[2] + (used - exact).abs() + rounding;
-    let closed = (if two_sided { magnitude(b) } else { b[1] }) + off <= exact;
-    [shrink(b[0]), shrink(b[1]), if closed { 0.0 } else { off }]
+    [low, high, if farthest + off <= exact { 0.0 } else { slope * off }]
 }
 
 /// The worst cases again, one number after the other.
@@ -323,15 +317,13 @@ fn a_matrix_reaches_its_extremes_at_corners() {
 
 #[test]
 fn a_code_that_cannot_pass_its_threshold_even_with_its_error_is_not_off() {
-    for shrinkage in [Shrinkage::OneSided, Shrinkage::TwoSided] {
-        let one_sided = shrinkage == Shrinkage::OneSided;
-        let mut fixed = edof_device::random::extreme(
-            form(2, [one_sided, false, false, false]),
-            16,
-            Stride::PATCH,
-            false,
-            1,
-        );
+    for (shrinkage, [first, last]) in [
+        (Shrinkage::OneSided, [0.0, 0.375]),
+        (Shrinkage::TwoSided, [0.125, 0.375]),
+        (Shrinkage::Firm, [0.25, 0.75]),
+    ] {
+        let form = form(2, shrinkage, [false; 3]);
+        let mut fixed = edof_device::random::extreme(form, 16, Stride::PATCH, false, 1);
         fixed.code_fractions[0] = 14;
         fixed.thresholds[0] = ndarray::array![12288, 12288, 12288];
         let own = Folded::of(&fixed);
@@ -341,7 +333,7 @@ fn a_code_that_cannot_pass_its_threshold_even_with_its_error_is_not_off() {
             off: ndarray::array![0.125, 0.25, 0.375],
         };
         let off = work.shrunk(0, &b, [-2.0, 2.0]).off.to_vec();
-        assert_eq!(off, [if one_sided { 0.0 } else { 0.125 }, 0.0, 0.375]);
+        assert_eq!(off, [first, 0.0, last]);
     }
 }
 
@@ -362,7 +354,7 @@ fn float(fixed: &FixedNetwork, scales: [f64; 3]) -> Network {
 #[test]
 fn the_reference_is_the_float_network_in_the_units_of_the_words() {
     let fixed =
-        edof_device::random::extreme(form(3, [true, false, false, false]), 12, Stride::PATCH, false, 7);
+        edof_device::random::extreme(form(3, Shrinkage::OneSided, [false; 3]), 12, Stride::PATCH, false, 7);
     let network = float(&fixed, [4.0, 0.5, -2.0]);
     let found = reference(&fixed, &network).unwrap();
     // No scale is negative: the third row stays as it is.
@@ -378,7 +370,7 @@ fn the_reference_is_the_float_network_in_the_units_of_the_words() {
 #[test]
 fn rows_that_have_nothing_in_common_with_the_words_keep_their_scale_and_other_forms_none() {
     let fixed =
-        edof_device::random::extreme(form(3, [true, false, false, false]), 12, Stride::PATCH, false, 7);
+        edof_device::random::extreme(form(3, Shrinkage::OneSided, [false; 3]), 12, Stride::PATCH, false, 7);
     let mut network = float(&fixed, [1.0; 3]);
     network.analysis.row_mut(1).fill(0.0);
     let found = reference(&fixed, &network).unwrap();
@@ -390,7 +382,7 @@ fn rows_that_have_nothing_in_common_with_the_words_keep_their_scale_and_other_fo
 #[test]
 fn errors_are_told_against_words_alone_and_against_the_float_network_where_there_is_one() {
     let fixed =
-        edof_device::random::extreme(form(3, [true, false, false, false]), 12, Stride::PATCH, false, 7);
+        edof_device::random::extreme(form(3, Shrinkage::OneSided, [false; 3]), 12, Stride::PATCH, false, 7);
     let network = float(&fixed, [4.0, 0.5, 1.0]);
     let summaries = |real: &Folded| {
         bounds(&fixed, real, Arithmetic::Words).iter().map(StageBound::summary).collect::<Vec<_>>()

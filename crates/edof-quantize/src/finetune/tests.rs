@@ -2,7 +2,7 @@ use super::*;
 use edof_core::camera::Camera;
 use edof_core::draw::Draw;
 use edof_core::{ColourFrame, Stride, Tone, Window};
-use edof_network::network::Recurrence;
+use edof_network::network::{Recurrence, Shrinkage};
 use edof_train::dataset::DatasetOptions;
 use ndarray::Array3;
 
@@ -115,15 +115,15 @@ fn a_step_moves_weights_down_the_gradient_by_the_rate_of_its_share_of_the_steps(
 }
 
 #[test]
-fn two_sided_thresholds_stay_at_zero_or_above_and_one_sided_ones_may_fall_below() {
+fn thresholds_stay_at_zero_or_above_where_the_shrinkage_has_no_negative_ones() {
     let (dataset, tuning) = (dataset(), tuning(1, 0.0));
-    for shrinkage in [Shrinkage::OneSided, Shrinkage::TwoSided] {
+    for shrinkage in Shrinkage::ALL {
         let fixed = start(shrinkage);
         let mut tuner = Tuner::new(&fixed, &dataset, &tuning);
         let theta = tuner.layout.thresholds[1].clone();
         tuner.weights[theta].fill(-0.5);
         tuner.round(0);
-        let word = if shrinkage == Shrinkage::OneSided { -32 } else { 0 };
+        let word = if shrinkage.allows_negative() { -32 } else { 0 };
         assert!(tuner.words.thresholds[1].iter().all(|t| *t == word), "{shrinkage:?}");
         assert_eq!(tuner.words.thresholds[0], fixed.thresholds[0]);
     }

@@ -18,8 +18,8 @@ use edof_core::camera::Camera;
 use edof_core::geometry::Window;
 use edof_core::noise::{Noise, SensorNoise};
 use edof_core::storage::digest::sha256;
+use edof_optics::Statistics;
 use edof_optics::estimator::{JudgeError, Task, Verdict, judge};
-use edof_optics::statistics::Statistics;
 use serde::{Deserialize, Serialize};
 
 /// Depths at which a range of ψ is sampled.
@@ -56,6 +56,13 @@ pub enum Lens {
     Coded,
     /// Without the mask.
     Clear,
+}
+
+impl Lens {
+    /// Returns the lens of a coded camera.
+    fn of(self, coded: &Camera) -> Camera {
+        if self == Self::Coded { coded.clone() } else { coded.without_mask() }
+    }
 }
 
 /// What the estimator reaches behind one lens at one aperture, range of depths and light.
@@ -205,21 +212,20 @@ const fn score(average_db: f64, worst_db: f64) -> f64 {
 
 impl Plan {
     fn proof(&self) -> Proof {
-        let numbers = (&self.read_noise_e, &self.mean_light, self.window.side(), DEPTHS, FOCUS_STEPS);
+        let numbers = (self.read_noise_e, self.mean_light, self.window.side(), DEPTHS, FOCUS_STEPS);
         Proof {
             settings: Some(settings(&[&numbers])),
             weights: None,
             photo: sha256(format!("{:?}", self.statistics.spectra).as_bytes()),
             camera: Some(sha256(self.coded.to_json().as_bytes())),
+            ..Proof::default()
         }
     }
 
     /// A lens of the comparison, closed by some stops.
     fn closed(&self, lens: Lens, stops: f64) -> Camera {
-        let rings = if lens == Lens::Coded { self.coded.rings.clone() } else { vec![] };
-        let profile = self.coded.profile.clone().filter(|_| lens == Lens::Coded);
         let aperture_radius_mm = self.coded.aperture_radius_mm * (-0.5 * stops).exp2();
-        Camera { rings, profile, aperture_radius_mm, ..self.coded.clone() }
+        Camera { aperture_radius_mm, ..lens.of(&self.coded) }
     }
 
     /// Standard deviation of photon and read noise at mean light, full scale 1: the gain is raised until white fills the scale again.

@@ -34,7 +34,7 @@ fn a_stop_halves_light_and_defocus_and_widens_the_f_number() {
     let plan = plan();
     let closed = plan.closed(Lens::Clear, 2.0);
     assert!((closed.f_number() / plan.coded.f_number() - 2.0).abs() < 1e-12);
-    assert!(closed.rings.is_empty() && !plan.closed(Lens::Coded, 0.0).rings.is_empty());
+    assert!(closed.is_clear() && !plan.closed(Lens::Coded, 0.0).is_clear());
     // Photons alone: four times fewer of them are twice the noise.
     let silent = Plan { read_noise_e: 0.0, ..plan.clone() };
     assert!((silent.sigma(1e4, 2.0) / silent.sigma(1e4, 0.0) - 2.0).abs() < 1e-12);

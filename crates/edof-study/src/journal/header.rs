@@ -44,6 +44,19 @@ pub struct Program {
     pub host: Host,
 }
 
+/// A file of rows, by its content.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RowsFile {
+    /// How many rows it holds.
+    pub rows: usize,
+    /// SHA-256 of the file.
+    pub sha256: String,
+    /// Where git has the file, as in `REVISION:docs/results/blind.jsonl`, if it does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub git: Option<String>,
+}
+
 /// A header as files hold it.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

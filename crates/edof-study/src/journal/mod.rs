@@ -11,10 +11,11 @@ mod header;
 mod proof;
 
 pub use cells::{Ordered, Progress, Shard, ShardError};
-pub use header::{Header, Maker, Program, UNKNOWN};
+pub use header::{Header, Maker, Program, RowsFile, UNKNOWN};
 pub use proof::{Proof, settings};
 
 use edof_core::storage::atomic::{self, WriteError};
+use edof_core::storage::digest::sha256;
 use edof_core::storage::json;
 use file::{Locked, Text};
 use serde::Serialize;
@@ -340,6 +341,14 @@ impl<L: Line> Journal<L> {
         self.pending.clear();
         self.file = None;
         Ok(())
+    }
+
+    /// Returns the number of rows of a finished file and its SHA-256; nothing of rows without a file.
+    #[must_use]
+    pub fn file(&self) -> Option<RowsFile> {
+        self.path.as_ref()?;
+        let sha256 = sha256(self.text().as_bytes());
+        Some(RowsFile { rows: self.order.len(), sha256, git: None })
     }
 
     fn sort(&mut self) {

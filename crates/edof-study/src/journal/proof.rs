@@ -1,12 +1,15 @@
 //! Hashes of everything that a row was measured from: what makes it the row of this input and of these settings, and of no others.
 
+use crate::key::{KeyText, VERSION};
 use edof_core::storage::digest::sha256;
 use serde::{Deserialize, Serialize};
-use std::fmt::Debug;
 
 /// SHA-256 of a row's inputs and settings.
-#[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Proof {
+    /// Version of the text that settings are hashed from ([`VERSION`]); the first one in rows that do not state it.
+    #[serde(default = "first", rename = "key_version")]
+    pub version: u32,
     /// Of every setting that shaped it ([`settings`]); none in rows of layout 1.
     #[serde(default, rename = "settings_sha256", skip_serializing_if = "Option::is_none")]
     pub settings: Option<String>,
@@ -21,10 +24,21 @@ pub struct Proof {
     pub camera: Option<String>,
 }
 
-/// SHA-256 of settings, each in the form that its own fields give (`Debug`): a field more, or another number in one, is another hash.
+const fn first() -> u32 {
+    1
+}
+
+/// Of nothing, in the present version.
+impl Default for Proof {
+    fn default() -> Self {
+        Self { version: VERSION, settings: None, weights: None, photo: String::new(), camera: None }
+    }
+}
+
+/// Returns the SHA-256 of settings: another number in one of them is another hash.
 #[must_use]
-pub fn settings(parts: &[&dyn Debug]) -> String {
-    let text: Vec<String> = parts.iter().map(|part| format!("{part:?}")).collect();
+pub fn settings(parts: &[&dyn KeyText]) -> String {
+    let text: Vec<String> = parts.iter().map(|part| part.key_text()).collect();
     sha256(text.join("\n").as_bytes())
 }
 
@@ -35,8 +49,8 @@ mod tests {
     #[test]
     fn the_last_bit_of_a_setting_makes_another_hash() {
         let nearly = 0.004f32.next_up();
-        assert_eq!(settings(&[&0.004f32, &16]), settings(&[&0.004f32, &16]));
-        assert_ne!(settings(&[&nearly, &16]), settings(&[&0.004f32, &16]));
-        assert_ne!(settings(&[&16, &0.004f32]), settings(&[&0.004f32, &16]));
+        assert_eq!(settings(&[&0.004f32, &16u32]), settings(&[&0.004f32, &16u32]));
+        assert_ne!(settings(&[&nearly, &16u32]), settings(&[&0.004f32, &16u32]));
+        assert_ne!(settings(&[&16u32, &0.004f32]), settings(&[&0.004f32, &16u32]));
     }
 }

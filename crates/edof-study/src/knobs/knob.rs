@@ -1,5 +1,6 @@
 //! A knob, what it turns, and what is run there.
 
+use crate::key::{KeyText, record};
 use crate::methods::dictionary::Dictionary;
 use crate::methods::spec::MethodSpec;
 use edof_core::Noise;
@@ -79,7 +80,6 @@ pub enum Work {
 }
 
 /// A shortened capture and the one that it is held against.
-#[derive(Debug)]
 pub struct Shortened {
     /// The camera.
     pub camera: Camera,
@@ -89,4 +89,13 @@ pub struct Shortened {
     pub reference: Approximation,
     /// Layers of the scene and of the reference, where it has many depths.
     pub layers: Option<[usize; 2]>,
+}
+
+impl KeyText for Shortened {
+    fn key_text(&self) -> String {
+        let Self { camera, cut, reference, layers } = self;
+        let fields: [(&str, &dyn KeyText); 4] =
+            [("camera", camera), ("cut", cut), ("reference", reference), ("layers", layers)];
+        record("Shortened", &fields)
+    }
 }

@@ -14,18 +14,19 @@ pub use page::{Knobs, Point};
 
 use crate::experiment::Experiment;
 use crate::journal::{Key, Line, Ordered, Proof, settings};
+use crate::key::KeyText;
 use crate::methods::spec::{Case, MethodSpec, PrepareError};
 use crate::metrics::timing::{Range, timed};
-use crate::metrics::{BORDER, MetricError, Quality};
+use crate::metrics::{BORDER, MetricError, psnr};
 use crate::trial::sensor;
 use edof_core::storage::digest::sha256;
 use edof_core::storage::provenance::Input;
 use edof_core::{ColourFrame, Noise, RawFrame, ReconstructError};
 use edof_io::photos::Photo;
+use edof_optics::Scene;
 use edof_optics::capture::{Approximation, Capture, CaptureError, capture};
 use edof_optics::layers::{self, LayersError};
 use edof_optics::psf::{NoPsf, Settings};
-use edof_optics::scene::Scene;
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -180,7 +181,7 @@ impl Experiment for Turning<'_> {
             for (place, (knob, value)) in values.enumerate() {
                 let work = (knob.apply)(plan, value);
                 let (how, weights) = match &work {
-                    Work::Capture(shortened) => (format!("{shortened:?}"), None),
+                    Work::Capture(shortened) => (shortened.key_text(), None),
                     Work::Method(spec) => (spec.settings(), spec.weights().map(str::to_owned)),
                 };
                 let sensor = sensor(&photo.name, plan.psi, plan.noise_of(&work));
@@ -196,6 +197,7 @@ impl Experiment for Turning<'_> {
                     weights,
                     photo: photo_sha256.clone(),
                     camera: Some(camera_sha256.clone()),
+                    ..Proof::default()
                 };
                 cells.push((Key { subject, proof }, Turned { photo: number, place, knob, value, work }));
             }
@@ -298,8 +300,8 @@ impl Plan {
             Entry::Vacant(new) => new.insert(taken(how.layers.map(|l| l[1]), &how.reference)?.light),
         };
         let cut = taken(how.layers.map(|l| l[0]), &how.cut)?;
-        let quality = Quality::of(exact, &cut.light, BORDER);
-        let db = quality.map_err(|source| KnobsError::Metric { image: image(), source })?.psnr_db;
+        let db = psnr(exact, &cut.light, BORDER)
+            .map_err(|source| KnobsError::Metric { image: image(), source })?;
         let sides = || cut.depths.iter().flat_map(|depth| &depth.channels).map(|kernel| kernel.side);
         Ok(Measurement {
             psnr_db: db.min(MAX_DB),
@@ -336,9 +338,9 @@ impl Plan {
             Case { camera: &self.camera, psi: self.psi, noise: self.noise, optics: Settings::default() };
         let timed = timed(spec.prepare(&case)?.as_ref(), raw)
             .map_err(|source| KnobsError::Reconstruct { image: image(), source })?;
-        let quality = Quality::of(&photo.frame, &timed.result.frame, BORDER);
-        let db = quality.map_err(|source| KnobsError::Metric { image: image(), source })?.psnr_db;
-        Ok(Measurement { psnr_db: db, seconds: timed.result.seconds, range: timed.range, kernel_sides: None })
+        let psnr_db = psnr(&photo.frame, &timed.result.frame, BORDER)
+            .map_err(|source| KnobsError::Metric { image: image(), source })?;
+        Ok(Measurement { psnr_db, seconds: timed.result.seconds, range: timed.range, kernel_sides: None })
     }
 
     /// The photograph at the plan's depth, behind its camera.

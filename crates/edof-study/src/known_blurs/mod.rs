@@ -9,13 +9,13 @@ pub use page::{DIVERGED_DB, KnownBlurs};
 
 use crate::experiment::Experiment;
 use crate::journal::{self, Key, Line, Proof};
-use crate::metrics::{BORDER, MetricError, Quality, cpu_time};
+use crate::metrics::{BORDER, MetricError, cpu_time, psnr};
 use edof_core::ColourFrame;
 use edof_core::storage::provenance::Input;
 use edof_deblur::blind::{self, Estimate, Settings};
 use edof_deblur::hyper_laplacian::hyper_laplacian;
 use edof_io::photos::Photo;
-use edof_optics::blur::blur_frame;
+use edof_optics::blur_frame;
 use kernels::best_shift;
 use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;
@@ -166,8 +166,7 @@ fn restore(photo: &Photo, proof: Proof, blur: &Blur, settings: &Settings) -> Res
     let (height, width) = seen.size();
     let megapixels = (height * width) as f64 * 1e-6;
     let db = |frame: &ColourFrame| {
-        let quality = Quality::of(&photo.frame, frame, BORDER);
-        quality.map(|q| q.psnr_db).map_err(|source| TooSmall { image: photo.name.clone(), source })
+        psnr(&photo.frame, frame, BORDER).map_err(|source| TooSmall { image: photo.name.clone(), source })
     };
     let (shift, correlation) = best_shift(kernel.view(), blur.psf.kernel().view());
     // A kernel and a picture that are moved against each other are the same answer.

@@ -3,11 +3,12 @@
 //! The networks have one form and stand behind one lens, so on the board the method costs what one of them costs: it is a bank that changes
 //! with the sensor's gain.
 
+use crate::key::KeyText;
 use crate::methods::method::Method;
 use edof_core::Noise;
 use edof_core::storage::digest::sha256;
 use edof_network::fit::best_fit;
-use edof_network::network::{Condition, Origin};
+use edof_network::network::Origin;
 
 /// Networks as methods `M`, of which each frame meets the one that suits its noise best ([`edof_network::Fit`]).
 #[derive(Debug, Clone)]
@@ -40,10 +41,10 @@ impl<M> ByNoise<M> {
         Method { network: Some(self.name.clone()), ..of(&self.first.1) }
     }
 
-    /// Settings of every network, and which noise each is for.
+    /// Returns the key text of every network's settings, and which noise each is for.
     pub fn settings(&self, of: impl Fn(&M) -> String) -> String {
         let each = |(origin, own): &(Origin, M)| {
-            let ranges: Vec<String> = origin.conditions.iter().map(Condition::noise_in_words).collect();
+            let ranges: Vec<String> = origin.conditions.iter().map(KeyText::key_text).collect();
             format!("{}: {}", ranges.join(" or "), of(own))
         };
         format!("by noise: {}", self.all().map(each).collect::<Vec<_>>().join("; "))

@@ -13,8 +13,8 @@ use edof_core::reconstructor::Counters;
 use edof_core::{CfaPhase, RawFrame, ReconstructError, Reconstruction, Reconstructor, Window};
 use edof_numerics::sparse::lasso::{Effort, Lasso};
 use edof_numerics::sparse::omp::{Omp, Stop};
+use edof_optics::Statistics;
 use edof_optics::estimator::{SeenError, seen_of_patch};
-use edof_optics::statistics::Statistics;
 use ndarray::{Array1, Array2, ArrayView2, Axis, concatenate, s};
 use std::time::Instant;
 
@@ -177,7 +177,7 @@ mod tests {
         let camera = Camera::resolve("ring-2018").unwrap();
         let psfs =
             edof_optics::psf::channel_psfs(&camera, 5.0, &edof_optics::psf::Settings::default()).unwrap();
-        let light = edof_optics::blur::blur_frame(&sharp, &psfs);
+        let light = edof_optics::blur_frame(&sharp, &psfs);
         let values = Array2::from_shape_fn((48, 64), |(r, c)| {
             let plane = CfaPhase::Rggb.channel(r, c).plane();
             (light.planes[(plane, r, c)] * 65535.0) as u16

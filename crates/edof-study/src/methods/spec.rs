@@ -1,5 +1,6 @@
 //! What may enter a study of one depth, as data, and what each prepares before it sees a frame.
 
+use crate::key::KeyText;
 use crate::methods::board::BoardReconstructor;
 use crate::methods::by_noise::ByNoise;
 use crate::methods::deconvolution::{Deconvolution, DeconvolutionReconstructor, Known};
@@ -264,15 +265,15 @@ impl MethodSpec {
         }
     }
 
-    /// Every setting that it is prepared from, in words; those of fixed networks are in their weights.
+    /// Every setting that it is prepared from, as [`KeyText`]; those of fixed networks are in their weights.
     #[must_use]
     pub fn settings(&self) -> String {
         match self {
             Self::Malvar | Self::Directional => String::new(),
-            Self::Deconvolution(settings) => format!("{settings:?}"),
-            Self::Pursuit { settings, .. } => format!("{settings:?}"),
-            Self::Untrained { settings, .. } => format!("{settings:?}"),
-            Self::Float { settings, .. } | Self::FloatGpu { settings, .. } => format!("{settings:?}"),
+            Self::Deconvolution(settings) => settings.key_text(),
+            Self::Pursuit { settings, .. } => settings.key_text(),
+            Self::Untrained { settings, .. } => settings.key_text(),
+            Self::Float { settings, .. } | Self::FloatGpu { settings, .. } => settings.key_text(),
             Self::ByNoise(networks) => networks.settings(Self::settings),
             // How long it may take makes no other picture.
             Self::External { settings, .. } => settings.command.clone(),
@@ -426,7 +427,8 @@ fn deconvolution(settings: &DeconvolutionSettings, case: &Case<'_>) -> Result<De
 pub fn words_sha256(network: &FixedNetwork) -> String {
     let FixedNetwork { form, analysis, thresholds, recurrent, dictionary, linear_path, .. } = network;
     let FixedNetwork { stride, overlap, code_bits, code_fractions, .. } = network;
-    let mut bytes = format!("{form:?} {stride:?} {overlap:?} {code_bits} {code_fractions:?}").into_bytes();
+    let [form, stride, overlap] = [form as &dyn KeyText, stride, overlap].map(|part| part.key_text());
+    let mut bytes = format!("{form} {stride} {overlap} {code_bits} {code_fractions:?}").into_bytes();
     let matrices = [analysis, dictionary].into_iter().chain(recurrent).chain(linear_path);
     for FixedMatrix { weights, fraction } in matrices {
         bytes.extend(format!("{:?} {fraction}", weights.dim()).into_bytes());

@@ -11,8 +11,8 @@ use edof_core::camera::Camera;
 use edof_network::Network;
 use edof_network::network::{Form, Origin, Recurrence, Shrinkage};
 use edof_numerics::sparse::lasso::step_bound;
+use edof_optics::Statistics;
 use edof_optics::estimator::SeenError;
-use edof_optics::statistics::Statistics;
 use ndarray::{Array1, Array2, Axis, concatenate, s};
 
 /// The network behind a camera.

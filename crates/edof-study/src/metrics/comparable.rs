@@ -1,6 +1,53 @@
 //! Frames that can be compared: equally large, and large enough.
 
-use edof_core::ColourFrame;
+use edof_core::colour::LUMA;
+use edof_core::{ColourFrame, Tone};
+use ndarray::{Array2, ArrayView2, Axis, Zip};
+
+/// A picture beside the ground truth, equally large, their borders cropped.
+#[derive(Debug)]
+pub struct Pair {
+    /// Ground truth.
+    pub truth: ColourFrame,
+    /// Picture that is judged.
+    pub estimate: ColourFrame,
+    /// Encoding of both. Metrics that need light decode by it.
+    pub tone: Tone,
+}
+
+impl Pair {
+    /// Returns one colour plane of both frames, the ground truth first.
+    #[must_use]
+    pub fn planes(&self, colour: usize) -> [ArrayView2<'_, f32>; 2] {
+        [&self.truth, &self.estimate].map(|frame| frame.planes.index_axis(Axis(0), colour))
+    }
+
+    /// Returns the luma of both frames, the ground truth first.
+    #[must_use]
+    pub fn luma(&self) -> [Array2<f32>; 2] {
+        [&self.truth, &self.estimate].map(luma)
+    }
+}
+
+/// Returns the BT.709 luma of a frame's values.
+#[must_use]
+pub fn luma(frame: &ColourFrame) -> Array2<f32> {
+    let plane = |p| frame.planes.index_axis(Axis(0), p);
+    Zip::from(plane(0)).and(plane(1)).and(plane(2)).map_collect(|&r, &g, &b| {
+        let sum: f64 = LUMA.iter().zip([r, g, b]).map(|(w, v)| w * f64::from(v)).sum();
+        sum as f32
+    })
+}
+
+/// Returns the displayed picture of a frame of linear light: sRGB's encoding, clamped to the 0…1 of its codes. Under the
+/// paper's convention light and picture are the same numbers, and stay as they are.
+#[must_use]
+pub fn shown(light: &ColourFrame, tone: Tone) -> ColourFrame {
+    match tone {
+        Tone::Linear => light.clone(),
+        Tone::Srgb => ColourFrame { planes: light.planes.mapv(|v| tone.encode(v.clamp(0.0, 1.0))) },
+    }
+}
 
 /// Frames that cannot be compared.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -39,9 +86,10 @@ pub(crate) fn compared(
     estimate: &ColourFrame,
     border: usize,
     least: usize,
-) -> Result<(ColourFrame, ColourFrame), MetricError> {
+    tone: Tone,
+) -> Result<Pair, MetricError> {
     check(truth.size(), estimate.size(), border, least)?;
     let (height, width) = truth.size();
     let inside = |frame: &ColourFrame| frame.crop(border, border, height - 2 * border, width - 2 * border);
-    Ok((inside(truth), inside(estimate)))
+    Ok(Pair { truth: inside(truth), estimate: inside(estimate), tone })
 }

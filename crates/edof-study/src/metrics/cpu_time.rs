@@ -48,7 +48,7 @@ mod tests {
     fn a_sleep_costs_next_to_nothing() {
         // In a process of its own: in this one other tests work meanwhile.
         let alone = std::process::Command::new(std::env::current_exe().unwrap())
-            .args(["--exact", "cpu_time::tests::sleep_alone", "--ignored"])
+            .args(["--exact", "metrics::cpu_time::tests::sleep_alone", "--ignored"])
             .output()
             .unwrap();
         let said = String::from_utf8_lossy(&alone.stdout);

@@ -29,7 +29,7 @@ fn status(field: &str) -> Option<u64> {
     Some(kibibytes << 10)
 }
 
-#[cfg(test)]
+#[cfg(all(test, target_os = "linux"))]
 mod tests {
     use super::*;
 
@@ -38,11 +38,11 @@ mod tests {
         const BYTES: usize = 48 << 20;
         let counted = || {
             forget_peak();
-            let (held, before) = (held_bytes()?, peak_bytes()?);
+            let (held, before) = (held_bytes().unwrap(), peak_bytes().unwrap());
             drop(std::hint::black_box(vec![1u8; before as usize + BYTES]));
-            Some(held <= before && peak_bytes()? >= before + BYTES as u64)
+            held <= before && peak_bytes().unwrap() >= before + BYTES as u64
         };
         // Another test of this process may make the system forget in between.
-        assert!((0..20).any(|_| counted().unwrap_or(true)));
+        assert!((0..20).any(|_| counted()));
     }
 }

@@ -1,8 +1,45 @@
 //! Peak signal-to-noise ratio.
 
-use crate::metrics::comparable::{MetricError, compared};
-use edof_core::ColourFrame;
-use ndarray::{ArrayView2, Axis};
+use crate::metrics::comparable::{MetricError, Pair, compared};
+use crate::metrics::metric::{Better, Metric, Place, Score};
+use edof_core::{ColourFrame, Tone};
+use ndarray::ArrayView2;
+
+/// Over all three colours.
+pub(super) const ALL: Metric = Metric {
+    name: "psnr_db",
+    title: "PSNR",
+    unit: "dB",
+    better: Better::Higher,
+    min_side: 1,
+    decimals: 2,
+    place: Place::Rows,
+    measure: |pair| Score::One(over_colours(pair)),
+};
+/// After the estimate was clipped to 0…1, as any display does.
+pub(super) const CLIPPED: Metric = Metric {
+    name: "psnr_clipped_db",
+    title: "PSNR, clipped",
+    measure: |pair| Score::One(decibel(mean([0, 1, 2].map(|p| clipped_error(pair, p))))),
+    ..ALL
+};
+/// Of red, green and blue.
+pub(super) const CHANNELS: Metric = Metric {
+    name: "channel_psnr_db",
+    title: "PSNR of red, green, blue",
+    measure: |pair| Score::Colours([0, 1, 2].map(|p| decibel(error(pair, p)))),
+    ..ALL
+};
+/// Of BT.709 luma.
+pub(super) const LUMA: Metric = Metric {
+    name: "luma_psnr_db",
+    title: "PSNR of luma",
+    measure: |pair| {
+        let [truth, estimate] = pair.luma();
+        Score::One(decibel(mean_square(truth.view(), estimate.view())))
+    },
+    ..ALL
+};
 
 /// PSNR in dB for a peak of 1: −10 log₁₀ of the mean squared error over all colours and pixels inside the border.
 /// Infinite for equal frames.
@@ -19,9 +56,25 @@ use ndarray::{ArrayView2, Axis};
 /// # Errors
 /// [`MetricError`] for frames of different sizes, or frames without pixels inside the border.
 pub fn psnr(truth: &ColourFrame, estimate: &ColourFrame, border: usize) -> Result<f64, MetricError> {
-    let (truth, estimate) = compared(truth, estimate, border, 1)?;
-    let error = |p| mean_square(truth.planes.index_axis(Axis(0), p), estimate.planes.index_axis(Axis(0), p));
-    Ok(decibel((error(0) + error(1) + error(2)) / 3.0))
+    Ok(over_colours(&compared(truth, estimate, border, 1, Tone::light())?))
+}
+
+fn over_colours(pair: &Pair) -> f64 {
+    decibel(mean([0, 1, 2].map(|p| error(pair, p))))
+}
+
+fn error(pair: &Pair, colour: usize) -> f64 {
+    let [truth, estimate] = pair.planes(colour);
+    mean_square(truth, estimate)
+}
+
+fn clipped_error(pair: &Pair, colour: usize) -> f64 {
+    let [truth, estimate] = pair.planes(colour);
+    mean_square(truth, estimate.mapv(|v| v.clamp(0.0, 1.0)).view())
+}
+
+fn mean(errors: [f64; 3]) -> f64 {
+    errors.iter().sum::<f64>() / 3.0
 }
 
 /// −10 log₁₀ of a mean squared error.

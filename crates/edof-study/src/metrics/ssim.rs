@@ -1,7 +1,37 @@
 //! Structural similarity.
 
 use crate::metrics::comparable::{MetricError, check};
+use crate::metrics::metric::{Better, Metric, Place, Score};
 use ndarray::{Array2, ArrayView2, s};
+
+/// Mean of the three colours.
+pub(super) const ALL: Metric = Metric {
+    name: "ssim",
+    title: "SSIM",
+    unit: "",
+    better: Better::Higher,
+    min_side: SIDE,
+    decimals: 3,
+    place: Place::Tables,
+    measure: |pair| {
+        let of = |colour: usize| {
+            let [truth, estimate] = pair.planes(colour);
+            mean_ssim(truth, estimate)
+        };
+        Score::One((of(0) + of(1) + of(2)) / 3.0)
+    },
+};
+/// Of BT.709 luma.
+pub(super) const LUMA: Metric = Metric {
+    name: "luma_ssim",
+    title: "SSIM of luma",
+    place: Place::Rows,
+    measure: |pair| {
+        let [truth, estimate] = pair.luma();
+        Score::One(mean_ssim(truth.view(), estimate.view()))
+    },
+    ..ALL
+};
 
 /// Standard deviation of the Gaussian window, in pixels.
 const SIGMA: f64 = 1.5;
@@ -19,21 +49,40 @@ const C2: f64 = 0.03 * 0.03;
 /// [`MetricError`] for planes of different sizes, or smaller than the window.
 pub fn ssim(a: ArrayView2<'_, f32>, b: ArrayView2<'_, f32>) -> Result<f64, MetricError> {
     check(a.dim(), b.dim(), 0, SIDE)?;
-    let (a, b) = (a.mapv(f64::from), b.mapv(f64::from));
-    let mean_a = gaussian_mean(&a);
-    let mean_b = gaussian_mean(&b);
-    let square_a = gaussian_mean(&(&a * &a));
-    let square_b = gaussian_mean(&(&b * &b));
-    let product = gaussian_mean(&(&a * &b));
-    let mut sum = 0.0;
+    Ok(mean_ssim(a, b))
+}
+
+/// As [`ssim`], of planes that were checked.
+fn mean_ssim(a: ArrayView2<'_, f32>, b: ArrayView2<'_, f32>) -> f64 {
+    terms(&a.mapv(f64::from), &b.mapv(f64::from)).ssim
+}
+
+/// Means over all windows of two planes.
+pub(super) struct Terms {
+    /// Luminance, contrast and structure together: SSIM.
+    pub ssim: f64,
+    /// Contrast and structure alone.
+    pub contrast_structure: f64,
+}
+
+/// Measures two planes of one size that hold a window.
+pub(super) fn terms(a: &Array2<f64>, b: &Array2<f64>) -> Terms {
+    let mean_a = gaussian_mean(a);
+    let mean_b = gaussian_mean(b);
+    let square_a = gaussian_mean(&(a * a));
+    let square_b = gaussian_mean(&(b * b));
+    let product = gaussian_mean(&(a * b));
+    let (mut ssim, mut contrast_structure) = (0.0, 0.0);
     ndarray::Zip::from(&mean_a).and(&mean_b).and(&square_a).and(&square_b).and(&product).for_each(
         |&ma, &mb, &saa, &sbb, &sab| {
             let (variance_a, variance_b, covariance) = (saa - ma * ma, sbb - mb * mb, sab - ma * mb);
-            sum += (2.0 * ma * mb + C1) * (2.0 * covariance + C2)
-                / ((ma * ma + mb * mb + C1) * (variance_a + variance_b + C2));
+            let (above, below) = (2.0 * covariance + C2, variance_a + variance_b + C2);
+            ssim += (2.0 * ma * mb + C1) * above / ((ma * ma + mb * mb + C1) * below);
+            contrast_structure += above / below;
         },
     );
-    Ok(sum / mean_a.len() as f64)
+    let count = mean_a.len() as f64;
+    Terms { ssim: ssim / count, contrast_structure: contrast_structure / count }
 }
 
 /// Weighted mean under SSIM's window, wherever it fits whole.

@@ -19,11 +19,11 @@ use edof_core::camera::Camera;
 use edof_core::storage::digest::sha256;
 use edof_core::storage::provenance::Input;
 use edof_core::{Noise, RawFrame, ReconstructError, Reconstructor, Tone};
+use edof_optics::Scene;
+use edof_optics::Sensor;
 use edof_optics::capture::{Approximation, CaptureError, capture};
 use edof_optics::draw::{DrawError, draw, parse_name};
 use edof_optics::psf::Settings;
-use edof_optics::scene::Scene;
-use edof_optics::sensor::Sensor;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -262,6 +262,7 @@ impl Experiment for Scenes<'_> {
                         weights: spec.weights().map(str::to_owned),
                         photo: self.scenes[scene].1.clone(),
                         camera: Some(camera.clone()),
+                        ..Proof::default()
                     };
                     let cell = Cell { scene, lens, method, place: cells.len() };
                     cells.push((Key { subject, proof }, cell));

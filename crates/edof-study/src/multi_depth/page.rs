@@ -217,7 +217,7 @@ impl MultiDepth {
         let row = |column: &&Picture| {
             let of = |shown: &Shown| {
                 let own = shown.pictures.iter().find(|picture| picture.name() == column.name());
-                or_dash(own.map(|picture| picture.picture.psnr_db))
+                or_dash(own.map(|picture| picture.picture.psnr_db()))
             };
             let mut cells = vec![column.name(), or_dash(paper_db(column))];
             cells.extend(self.scenes.iter().map(of));

@@ -137,8 +137,8 @@ pub enum CasesError {
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
     /// Text that holds no cases.
-    #[error("{file}: not a list of cases: {}", json::words(source))]
-    Parse { file: String, source: serde_json::Error },
+    #[error("{file}: not a list of cases: {source}")]
+    Parse { file: String, source: json::JsonError },
     /// Two of one name, or an invalid name.
     #[error("{file}: case id '{id}': {why}")]
     Id { file: String, id: String, why: &'static str },
@@ -244,6 +244,6 @@ mod tests {
         };
         assert!(refused(&format!("[{}, {}]", one("a"), one("a"))).ends_with("case id 'a': is there twice"));
         assert!(refused(&format!("[{}]", one("A b"))).contains("must be of small letters"));
-        assert!(refused("[{}]").contains("not a list of cases: missing field"));
+        assert!(refused("[{}]").contains("not a list of cases: [0]: missing field"));
     }
 }

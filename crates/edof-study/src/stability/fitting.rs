@@ -10,10 +10,10 @@ use edof_core::Noise;
 use edof_core::camera::Camera;
 use edof_core::colour::RGB_OUTPUTS;
 use edof_core::geometry::{PATCH, PATCH_PIXELS};
-use edof_optics::blur::blur_frame;
+use edof_optics::blur_frame;
 use edof_optics::draw::{Builtin, draw};
 use edof_optics::psf::{Settings, channel_psfs};
-use edof_optics::sensor::{Sensor, expose};
+use edof_optics::{Sensor, expose};
 use ndarray::Array2;
 
 const CAMERA: &str = "ring-2018";

@@ -21,7 +21,7 @@ use edof_io::read_warnings::{ReadWarning, read_warnings};
 use edof_network::FixedNetwork;
 use edof_network::float::reconstruct::{FloatReconstructor, Output};
 use edof_optics::capture::{Approximation, capture};
-use edof_optics::sensor::{Sensor, expose};
+use edof_optics::{Sensor, expose};
 use rayon::prelude::*;
 
 /// Sides of the frames.

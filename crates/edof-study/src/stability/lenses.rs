@@ -6,7 +6,7 @@ use crate::stability::outcome::{Measurement, Stopped, TrialResult};
 use crate::stability::scenes;
 use edof_core::camera::Camera;
 use edof_core::{Channel, Tone};
-use edof_optics::blur::blur;
+use edof_optics::blur;
 use edof_optics::cosine::mirror_index;
 use edof_optics::psf::{Psf, Settings, channel_psfs};
 use ndarray::{Array2, Axis};

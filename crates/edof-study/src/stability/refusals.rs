@@ -5,13 +5,13 @@ use crate::stability::bench::Bench;
 use crate::stability::case::Refusal;
 use crate::stability::outcome::{Stopped, TrialResult};
 use edof_core::camera::Camera;
-use edof_core::{CfaPhase, ColourFrame, Noise, RawFrame, Stride, Window};
+use edof_core::{CfaPhase, ColourFrame, Noise, RawFrame, Stride, Tone, Window};
 use edof_golden::{ColourTable, Golden};
 use edof_network::FixedNetwork;
 use edof_network::network::{Form, Recurrence, Shrinkage};
+use edof_optics::Scene;
 use edof_optics::psf::{Psf, Settings, channel_psfs};
-use edof_optics::scene::Scene;
-use edof_optics::sensor::{Sensor, expose};
+use edof_optics::{Sensor, expose};
 use edof_quantize::QuantizeOptions;
 use ndarray::Array2;
 
@@ -119,6 +119,6 @@ fn shot(sensor: &Sensor) -> Result<TrialResult, Stopped> {
 }
 
 fn compared(a: (usize, usize), b: (usize, usize)) -> Result<TrialResult, Stopped> {
-    Quality::of(&ColourFrame::zeros(a.0, a.1), &ColourFrame::zeros(b.0, b.1), 8)?;
+    Quality::of(&ColourFrame::zeros(a.0, a.1), &ColourFrame::zeros(b.0, b.1), 8, Tone::Linear)?;
     Ok(TrialResult::default())
 }

@@ -293,7 +293,8 @@ mod tests {
         assert_eq!(page.matches("<figure>").count(), 1);
         assert_eq!(page.matches("<td>words without rounding</td>").count(), 4);
         assert!(page.contains("<dt>Promised</dt><dd>same, to a bound told before; formats and weights"));
-        let table = suite.to_markdown(&Made { command: "edof study stability".into(), makers: vec![] });
+        let table =
+            suite.to_markdown(&Made { command: "edof study stability".into(), makers: vec![], rows: None });
         assert!(table.contains("## Deconvolution") && !table.contains("## What is refused"), "{table}");
         assert!(table.contains("| drawn-8-8.f32 | f64 | M1 |"), "{table}");
     }

@@ -4,7 +4,7 @@ use crate::stability::case::{Defects, Scene};
 use edof_core::frame::FrameError;
 use edof_core::{CfaPhase, ColourFrame, RawFrame};
 use edof_optics::draw::{Builtin, DrawError, draw};
-use edof_optics::scene;
+use edof_optics::{Layer, Scene as Layers};
 use ndarray::Array2;
 
 /// Seed of synthetic scenes.
@@ -56,16 +56,16 @@ pub fn picture(scene: &Scene, height: usize, width: usize) -> Result<ColourFrame
 ///
 /// # Errors
 /// As [`picture`].
-pub fn layers(scene: &Scene, psi: f64, height: usize, width: usize) -> Result<scene::Scene, DrawError> {
+pub fn layers(scene: &Scene, psi: f64, height: usize, width: usize) -> Result<Layers, DrawError> {
     let back = picture(scene, height, width)?;
-    let Scene::DepthEdge { front } = scene else { return Ok(scene::Scene::flat("case", back, psi)) };
+    let Scene::DepthEdge { front } = scene else { return Ok(Layers::flat("case", back, psi)) };
     // Three pixels off the grid of patches, and not upright.
     let matte =
         Array2::from_shape_fn((height, width), |(r, c)| f32::from(u8::from(8 * c > 4 * width + 24 + r)));
     let mut light = draw(Builtin::Leaves, height, width, &[0.0], SEED + 1)?.sharp();
     light.planes.outer_iter_mut().for_each(|mut plane| plane *= &matte);
-    let front = scene::Layer { light, matte: Some(matte), psi: *front };
-    let mut all = scene::Scene::flat("case", back, psi);
+    let front = Layer { light, matte: Some(matte), psi: *front };
+    let mut all = Layers::flat("case", back, psi);
     all.layers.push(front);
     Ok(all)
 }

@@ -15,7 +15,7 @@ use edof_golden::frame::scalar_frame;
 use edof_golden::scalar;
 use edof_golden::windows::window;
 use edof_network::float::reconstruct::{FloatReconstructor, Output};
-use edof_optics::sensor::{Sensor, expose};
+use edof_optics::{Sensor, expose};
 use ndarray::{Array2, s};
 
 /// Sides of the frame of a hundred megapixels: this wide.

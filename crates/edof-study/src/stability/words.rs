@@ -271,6 +271,8 @@ impl Checked {
             let shrunk = match network.form.shrinkage {
                 Shrinkage::OneSided => (b - theta).max(0),
                 Shrinkage::TwoSided => (b - theta).max(0) + (b + theta).min(0),
+                Shrinkage::Firm if b.abs() >= 2 * theta => b,
+                Shrinkage::Firm => 2 * ((b - theta).max(0) + (b + theta).min(0)),
             };
             let (z, saturated) = held(shrunk, bits);
             counts.saturated_codes += u64::from(saturated);

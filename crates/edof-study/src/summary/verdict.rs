@@ -85,9 +85,7 @@ const fn other_tone(tone: Tone) -> &'static str {
 fn lens(camera: &str) -> String {
     let preset = PRESETS.iter().find(|(name, _)| *name == camera);
     match preset.and_then(|(name, text)| Camera::from_json(text, name).ok()) {
-        Some(known) if known.rings.is_empty() && known.profile.is_none() => {
-            format!("the clear lens {camera}")
-        }
+        Some(known) if known.is_clear() => format!("the clear lens {camera}"),
         Some(_) => format!("the coded lens {camera}"),
         None => format!("camera {camera}"),
     }

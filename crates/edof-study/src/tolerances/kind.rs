@@ -1,7 +1,7 @@
 //! Kinds of errors that a maker makes, and what each does to a camera.
 
 use edof_core::camera::Camera;
-use edof_core::camera::{Delay, Ring, Spectrum};
+use edof_core::camera::{Ring, Spectrum};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -13,7 +13,7 @@ pub enum Kind {
     None,
     /// Radii of the mask's rings, in percent of the aperture's radius. Edges at the centre and at the aperture's rim stay.
     Radius,
-    /// Depth of the rings, in percent of itself.
+    /// Depth of the mask, in percent of itself.
     Depth,
     /// Wavelengths of all three colours, in nanometres.
     Wavelength,
@@ -66,13 +66,8 @@ impl Kind {
         let mut camera = camera.clone();
         match self {
             Self::None => {}
-            Self::Radius => camera.rings.iter_mut().for_each(|ring| moved(ring, amount / 100.0)),
-            Self::Depth => {
-                camera
-                    .rings
-                    .iter_mut()
-                    .for_each(|ring| ring.delay = deeper(ring.delay, 1.0 + amount / 100.0));
-            }
+            Self::Radius => camera.mask.rings_mut().for_each(|ring| moved(ring, amount / 100.0)),
+            Self::Depth => camera.mask.terms_mut().iter_mut().for_each(|t| t.scale(1.0 + amount / 100.0)),
             Self::Wavelength => {
                 camera.spectra = camera.spectra.map(|spectrum| match spectrum {
                     Spectrum::Line(nm) => Spectrum::Line(nm + amount),
@@ -84,6 +79,12 @@ impl Kind {
             Self::Focus => camera.focus_psi += amount,
         }
         camera
+    }
+
+    /// Whether the error changes a camera: a mask without rings has no radii.
+    #[must_use]
+    pub fn changes(self, camera: &Camera) -> bool {
+        self.amounts().iter().any(|amount| self.applied(*amount, camera) != *camera)
     }
 
     /// The amount in micrometres: of a radius on the mask, or of the sensor's distance from the lens.
@@ -110,13 +111,6 @@ fn moved(ring: &mut Ring, by: f64) {
     }
 }
 
-fn deeper(delay: Delay, factor: f64) -> Delay {
-    match delay {
-        Delay::Phase { rad, at_nm } => Delay::Phase { rad: rad * factor, at_nm },
-        Delay::Etched { height_um, cauchy } => Delay::Etched { height_um: height_um * factor, cauchy },
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -125,16 +119,17 @@ mod tests {
     fn each_error_changes_its_own_part_of_the_camera() {
         let camera = Camera::resolve("ring-outer").unwrap();
         assert_eq!(Kind::None.applied(1.0, &camera), camera);
-        let ring = Kind::Radius.applied(-1.0, &camera).rings[0];
+        let ring = |camera: &Camera| *camera.mask.rings().next().unwrap();
+        let deeper = ring(&Kind::Depth.applied(10.0, &camera)).delay;
+        let ring = ring(&Kind::Radius.applied(-1.0, &camera));
         assert!((ring.inner - 0.8665).abs() < 1e-12);
         assert!((ring.outer - 1.0).abs() < 1e-12, "the rim is the aperture's");
-        let deeper = Kind::Depth.applied(10.0, &camera).rings[0].delay;
         assert!((deeper.phase_rad(460.0) - 1.1 * -3.78).abs() < 1e-9);
         assert_eq!(Kind::Wavelength.applied(5.0, &camera).spectra[0], Spectrum::Line(615.0));
         assert!((Kind::Focus.applied(0.4, &camera).focus_psi - 4.84).abs() < 1e-12);
-        for kind in Kind::ERRORS {
-            assert_ne!(kind.applied(kind.amounts()[0], &camera), camera, "{kind:?}");
-        }
+        assert!(Kind::ERRORS.iter().all(|kind| kind.changes(&camera)));
+        let clear = camera.without_mask();
+        assert_eq!(Kind::ERRORS.map(|kind| kind.changes(&clear)), [false, false, true, true]);
     }
 
     #[test]

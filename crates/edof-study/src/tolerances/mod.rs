@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 
 /// What is measured.
 pub struct Plan {
-    /// The camera as designed, whose mask has rings.
+    /// The camera as designed.
     pub camera: Camera,
     /// The network that was trained for it.
     pub method: MethodSpec,
@@ -170,6 +170,7 @@ impl Experiment for Tolerating<'_> {
                             weights: plan.method.weights().map(str::to_owned),
                             photo: hashes[photo].clone(),
                             camera: Some(camera.clone()),
+                            ..Proof::default()
                         };
                         let noise_key = Ordered::of_noise(level);
                         let subject = (kind, Ordered(amount), Ordered(depth), noise_key, of.name.clone());
@@ -190,7 +191,7 @@ impl Experiment for Tolerating<'_> {
         let trial = Trial::new(&plan.camera, &self.photos[photo], plan.psi[psi], plan.tone);
         let shots = trial.shots(self.kernels(error, psi)?, &plan.noise)?;
         let (kind, amount) = self.errors[error];
-        let identity = plan.method.method();
+        let method = plan.method.method().to_string();
         let mut rows = vec![];
         for (cell, proof) in cells {
             let (noise, raw) = &shots[cell.noise];
@@ -198,17 +199,16 @@ impl Experiment for Tolerating<'_> {
                 .method(*noise)?
                 .reconstruct(raw)
                 .map_err(|source| TrialError::Reconstruct { image: trial.image(), source })?;
-            let measured = trial.row(*noise, &identity, &result)?;
             rows.push(Row {
                 kind,
                 amount,
                 micrometres: kind.micrometres(amount, &plan.camera),
-                method: measured.method,
-                camera: measured.camera,
-                image: measured.image,
-                psi: measured.psi,
+                method: method.clone(),
+                camera: plan.camera.name.clone(),
+                image: trial.image(),
+                psi: plan.psi[psi],
                 noise: *noise,
-                psnr_db: measured.picture.psnr_db,
+                psnr_db: trial.psnr_db(&result)?,
                 proof: proof.clone(),
             });
         }

@@ -48,7 +48,7 @@ fn every_error_is_measured_beside_the_lens_without_and_the_page_has_a_limit_for_
     let focus = study.curves.iter().find(|c| (c.kind, c.noise) == (Kind::Focus, Noise::None)).unwrap();
     let losses: Vec<f64> = focus.losses.iter().map(|loss| loss.average.mean).collect();
     assert!(losses.iter().any(|loss| loss.abs() > 0.01), "{losses:?}");
-    let made = Made { command: "edof study tolerances".into(), makers: vec![] };
+    let made = Made { command: "edof study tolerances".into(), makers: vec![], rows: None };
     let page = study.to_markdown(&made);
     assert!(page.contains("| tilt of the sensor, ψ at its edges |"), "{page}");
     assert!(page.contains("| focus +0.1 ψ |"), "{page}");

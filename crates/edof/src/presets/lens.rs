@@ -3,12 +3,12 @@
 
 use crate::presets::PresetError;
 use edof_core::camera::Camera;
-use edof_core::camera::psf_bank::PsfBank;
+use edof_core::camera::PsfBank;
 use edof_core::words::number;
 use edof_io::photo;
 use edof_optics::bank;
-use edof_optics::depth::psi_at;
 use edof_optics::psf::{self, NoPsf};
+use edof_optics::psi_at;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -28,9 +28,7 @@ pub struct Lens {
 pub fn resolve(name: &str, bank: Option<&Path>) -> Result<Lens, PresetError> {
     let mut files = vec![PathBuf::from(name)];
     let mut camera = self::camera(name)?;
-    if let Some(map) = &camera.height_map {
-        files.push(folder(Path::new(name)).join(&map.file));
-    }
+    files.extend(camera.mask.height_maps().map(|map| folder(Path::new(name)).join(&map.file)));
     if let Some(own) = &camera.psf_bank {
         files.push(folder(Path::new(name)).join(&own.file));
     }
@@ -69,14 +67,16 @@ pub fn camera(name: &str) -> Result<Camera, PresetError> {
     Ok(camera)
 }
 
-/// Reads the picture of a camera's mask, if it has one, from a folder.
+/// Reads the pictures of a camera's mask, if it has any, from a folder.
 ///
 /// # Errors
 /// No picture, or none that the camera means.
 pub fn read_mask(camera: &mut Camera, folder: &Path) -> Result<(), PresetError> {
-    let Some(map) = &mut camera.height_map else { return Ok(()) };
-    let path = folder.join(&map.file);
-    Ok(map.take(photo::load_grey(&path)?, path, &camera.name)?)
+    for map in camera.mask.height_maps_mut() {
+        let path = folder.join(&map.file);
+        map.take(photo::load_grey(&path)?, path, &camera.name)?;
+    }
+    Ok(())
 }
 
 /// How to come by a network for a camera.

@@ -21,9 +21,7 @@ pub mod designs;
 pub mod lens;
 pub mod weights;
 
-use edof_core::camera::CameraError;
-use edof_core::camera::height_map::HeightMapError;
-use edof_core::camera::psf_bank::BankError;
+use edof_core::camera::{BankError, CameraError, HeightMapError};
 use edof_core::words::number;
 use edof_device::design::DesignError;
 use edof_io::photo::PhotoError;

@@ -30,7 +30,8 @@ pub struct Args {
 /// A receiver that is not set up, no setting that works, or a line that fails.
 pub fn run(args: &super::Args, align: &Args, ui: &Ui) -> Result<(), Error> {
     let mut board = args.open()?;
-    let asked = Align { codes: align.codes, clocks: !align.any_clocks };
+    let design = (!align.any_clocks).then(|| args.design_of(&board)).transpose()?;
+    let asked = Align { codes: align.codes, clock_of: design.as_ref() };
     let alignment = board.align(asked, &mut |_| interrupt::flow()).map_err(of)?;
     [false, true].iter().try_for_each(|inverted| ui.say(row(&alignment.trials, *inverted)))?;
     let Alignment { trials, window } = alignment;

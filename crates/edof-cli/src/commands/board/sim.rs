@@ -91,12 +91,12 @@ fn is_codes(file: &Path) -> bool {
 pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
     let given = args.design.as_deref().unwrap_or("tiny");
     let design = sized(designs::load(given)?, sim.size)?;
-    edof_device::board::clocks(&design).map_err(|e| said::of_file(given, e))?;
+    design.clocks().map_err(|e| said::of_file(given, e))?;
     let network = network(&design, given, sim.weights.as_deref())?;
     let (raw, display) = (frame(&design, sim)?, Display::of_network(&network));
     let raw = raw.encoded(network.origin.values).into_owned();
     let mut device: Box<dyn Device> = if sim.rtl {
-        let with = (Speed::of(args.baud)?, 1);
+        let with = (Speed::of(design.board, args.baud)?, 1);
         ui.note("compiling the design with Verilator");
         let options = Options { cache: Options::user_cache(), ..Options::default() };
         let board = VerilogBoard::new(&design, [&network; 2], &display, &raw, with, &options);

@@ -11,7 +11,7 @@ use edof_core::storage::provenance::Input;
 use edof_core::words::number;
 use edof_core::{ColourFrame, Tone};
 use edof_io::photos::Selection;
-use edof_train::joint::{Joint, JointError, JointState, random_lens, values};
+use edof_train::joint::{Joint, JointError, JointState, random_lens, with_values};
 use edof_train::recipe::Recipe;
 use edof_train::threads::check_threads;
 use serde::{Deserialize, Serialize};
@@ -144,7 +144,8 @@ fn search(
         keeps(file, state);
         bar.set(state.round.into());
         if let Some(judged) = state.history.last() {
-            bar.message(format!("{:.3} dB, lens {}", judged.score_db, lens_words(&judged.lens)));
+            let lens = lens_words(&with_values(&state.best, &judged.lens));
+            bar.message(format!("{:.3} dB, lens {lens}", judged.score_db));
         }
     }
     Ok(())
@@ -170,8 +171,8 @@ fn tell(
         state.round,
         args.out.display()
     ))?;
-    ui.say(format!("  start {}", lens_words(&values(&run.start))))?;
-    ui.say(format!("  end   {}", lens_words(&values(camera))))?;
+    ui.say(format!("  start {}", lens_words(&run.start)))?;
+    ui.say(format!("  end   {}", lens_words(camera)))?;
     ui.json(&json!({
         "camera": camera,
         "start": run.start,
@@ -185,12 +186,12 @@ fn tell(
     }))
 }
 
-/// Inner radius, outer radius and phase of each ring, then the focus.
-fn lens_words(values: &[f64]) -> String {
-    let (rings, focus) = values.split_at(values.len().saturating_sub(1));
-    let ring = |r: &[f64]| format!("ring {:.4} to {:.4} of {:.3} rad", r[0], r[1], r[2]);
-    let focus = focus.iter().map(|psi| format!("focus {psi:.3}"));
-    rings.chunks_exact(3).map(ring).chain(focus).collect::<Vec<_>>().join(", ")
+/// The terms that a search moves, then the focus.
+fn lens_words(camera: &Camera) -> String {
+    let nm = camera.reference_wavelength_nm;
+    let moved = camera.mask.terms().iter().filter(|term| !term.parameters(nm).is_empty());
+    let focus = format!("focus {:.3}", camera.focus_psi);
+    moved.map(|term| term.summary(nm)).chain([focus]).collect::<Vec<_>>().join(", ")
 }
 
 fn words(error: JointError, chosen: &[Photograph]) -> Error {
@@ -284,7 +285,7 @@ impl Design {
             self.through.steps,
             self.worst_weight,
             self.seed,
-            lens_words(&values(start))
+            lens_words(start)
         )
     }
 }

@@ -1,25 +1,24 @@
 //! Options of `edof reconstruct`.
 
-use crate::device::Device;
+use super::Frame;
 use crate::error::Error;
 use crate::lens::{self, Lens};
-use crate::weights;
+use crate::said;
 use clap::ValueEnum;
-use edof_core::camera::Camera;
-use edof_core::{CfaPhase, DisplayMode, Noise, Tone};
+use edof::job::{Device, Engine, FixedOptions, FrameSource, ReconstructJob};
+use edof_core::{CfaPhase, DisplayMode, Stride, Tone};
 use edof_golden::Curve;
-use edof_io::dng::Overrides;
 use edof_io::levels::Black;
 use edof_io::packing::{ByteOrder, Packing};
 use edof_io::raw::{Alignment, RawOptions, Size};
-use edof_io::record::{RawRecord, Stated};
-use edof_io::rendering::{ColourMatrix, WhiteBalance};
-use std::path::PathBuf;
+use edof_io::record::Stated;
+use edof_io::rendering::{ColourMatrix, Rendering, WhiteBalance};
+use std::path::{Path, PathBuf};
 
 /// Reconstruct a sharp picture from a raw Bayer frame, or one from each of several
 ///
-/// RAW is a 16-bit grey PNG, TIFF or PGM (values of fewer bits at the top of each word, or according to a PGM's maximum), or a
-/// headerless file with --size. RAW.json, which 'edof capture' writes, states how the frame was taken; options that
+/// RAW is a 16-bit grey PNG, TIFF or PGM (values of fewer bits at the top of each word, or according to a PGM's maximum), NumPy's array of
+/// sensor values (NPY), or a headerless file with --size. RAW.json, which 'edof capture' writes, states how the frame was taken; options that
 /// contradict it are rejected. RAW may also be a camera's DNG (a Bayer mosaic, uncompressed or as lossless JPEG): its levels, defects, lens
 /// corrections, white balance, colours, crop and orientation are applied, and options take the place of its tags (docs/dng.md). With the
 /// optional feature camera-raw RAW may be a file of another maker. The network runs in the
@@ -171,48 +170,63 @@ impl Args {
         Ok(self.camera.as_deref().map(|name| lens::resolve(name, self.psf_bank.as_deref())).transpose()?)
     }
 
-    /// All that the user states of a frame.
-    pub(super) fn stated(&self, camera: Option<Camera>) -> Stated {
-        let alignment = raw_options(self).alignment;
+    /// File of the board's codes beside a picture, if they are asked for.
+    pub(super) fn codes_file(&self, out: &Path) -> Option<PathBuf> {
+        self.board.then(|| out.with_extension("yuyv"))
+    }
+
+    /// The job of a frame.
+    pub(super) fn job(&self, frame: Frame) -> Result<ReconstructJob, Error> {
         let Self { phase, depth, size, packing, black_level, white_level, tone, .. } = *self;
-        Stated { phase, depth, alignment, size, packing, black_level, white_level, tone, camera }
-    }
-
-    /// The network that is asked for, else the one for pictures of that tone and that noise.
-    pub(super) fn network(&self, tone: Tone, noise: Option<Noise>) -> &str {
-        let usual = weights::default_for(tone);
-        let fitting = || noise.map_or(usual, |noise| weights::for_noise(usual, tone, noise));
-        self.weights.as_deref().unwrap_or_else(fitting)
-    }
-}
-
-pub(super) fn curve(args: &Args, tone: Tone) -> Curve {
-    match (args.gamma, tone) {
-        (Some(Gamma::Linear), _) | (None, Tone::Linear) => Curve::Linear,
-        (Some(Gamma::Srgb), _) | (None, Tone::Srgb) => Curve::Srgb,
-        (Some(Gamma::Bt709), _) => Curve::Bt709,
-    }
-}
-
-/// What takes the place of a camera's file: the record beside it, else the options.
-pub(super) fn overrides(args: &Args, record: Option<&RawRecord>) -> Overrides {
-    let own = record.map(RawRecord::rendering).unwrap_or_default();
-    Overrides {
-        phase: record.map(|record| record.phase).or(args.phase),
-        black: record.map(|record| record.black_level).or(args.black_level),
-        white: record.map_or(args.white_level, |record| record.white_level),
-        white_balance: args.white_balance.or(own.white_balance),
-        matrix: args.colour_matrix.or(own.matrix),
-    }
-}
-
-pub(super) fn raw_options(args: &Args) -> RawOptions {
-    RawOptions {
-        phase: args.phase.unwrap_or_default(),
-        depth: args.depth,
-        size: args.size,
-        alignment: args.align.as_deref().map(|a| if a == "top" { Alignment::Top } else { Alignment::Bottom }),
-        order: if args.order == "big" { ByteOrder::Big } else { ByteOrder::Little },
-        packing: if args.video { Packing::Video } else { args.packing.unwrap_or_default() },
+        let camera = self.stated_lens()?.map(|lens| lens.camera);
+        let alignment = self.align.as_deref();
+        let alignment = alignment.map(|a| if a == "top" { Alignment::Top } else { Alignment::Bottom });
+        let stride = self.stride.map(said::stride).transpose()?;
+        let engine = match self.float {
+            true => Engine::Float(stride.unwrap_or(Stride::PATCH)),
+            false => Engine::Fixed(FixedOptions {
+                stride,
+                display: self.display,
+                codes: self.codes_file(&frame.out),
+                words: self.words.clone(),
+            }),
+        };
+        Ok(ReconstructJob {
+            source: FrameSource {
+                path: frame.raw,
+                stated: Stated {
+                    phase,
+                    depth,
+                    alignment,
+                    size,
+                    packing,
+                    black_level,
+                    white_level,
+                    tone,
+                    camera,
+                },
+                options: RawOptions {
+                    phase: phase.unwrap_or_default(),
+                    depth,
+                    size,
+                    alignment,
+                    order: if self.order == "big" { ByteOrder::Big } else { ByteOrder::Little },
+                    packing: if self.video { Packing::Video } else { packing.unwrap_or_default() },
+                },
+                rendering: Rendering { white_balance: self.white_balance, matrix: self.colour_matrix },
+                overrules_record: self.force,
+            },
+            network: self.weights.clone(),
+            accepts_any_lens: self.force,
+            engine,
+            device: self.device,
+            curve: self.gamma.map(|gamma| match gamma {
+                Gamma::Linear => Curve::Linear,
+                Gamma::Srgb => Curve::Srgb,
+                Gamma::Bt709 => Curve::Bt709,
+            }),
+            bits: self.bits,
+            out: frame.out,
+        })
     }
 }

@@ -8,7 +8,7 @@ use crate::said;
 use crate::ui::Ui;
 use edof_core::camera::Camera;
 use edof_core::words::number;
-use edof_optics::statistics::Statistics;
+use edof_optics::Statistics;
 use edof_study::aperture::{Aperture, Comparing, Plan};
 use std::path::PathBuf;
 
@@ -100,7 +100,7 @@ impl Args {
         all_within("--read-noise", &[self.read_noise], 0.0, 1e6)?;
         all_within("--mean-light", &[self.mean_light], 0.0, 1.0)?;
         let coded = Camera::resolve(&self.camera)?;
-        if coded.rings.is_empty() && coded.profile.is_none() {
+        if coded.is_clear() {
             return Err(Error::message(format!(
                 "--camera {}: has no mask, expected a coded lens such as ring-outer",
                 self.camera

@@ -9,7 +9,7 @@ use crate::said;
 use crate::ui::Ui;
 use edof_core::Stride;
 use edof_core::camera::Camera;
-use edof_optics::statistics::Statistics;
+use edof_optics::Statistics;
 use edof_study::aperture::networks::{ApertureNetworks, Peer, Photographing, Plan, Row};
 use edof_study::aperture::{self};
 use edof_study::methods::nets::Net;

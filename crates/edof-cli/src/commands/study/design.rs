@@ -39,12 +39,14 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         let kept = own.iter().zip(kept).filter(|(_, keep)| *keep);
         foldings.extend(kept.map(|((one, on_front), _)| folding(one, **on_front)));
     }
+    let part = &base.board.part;
     let study = Foldings {
         foldings,
         design: base.name,
         clock_mhz: base.clock_mhz,
         required_frames_per_second: args.explore.fps(),
-        device: args.explore.device().to_uppercase(),
+        device: part.name.to_owned(),
+        cells: [part.multiplier.name, part.memory.name],
         pictures: args.explore.pictures(),
     };
     let report = || Ok(study.report(&ui.signed(&ui.provenance().command)));
@@ -58,12 +60,12 @@ fn folding(one: &Found, on_front: bool) -> Folding {
         network: one.network.clone(),
         camera: one.camera.clone(),
         psnr_db: one.db,
-        stages: one.folding.clone(),
-        cycles_per_patch: one.cycles,
-        worst_picture_cycles_per_patch: one.worst_cycles,
-        frames_per_second: one.frames,
-        dsp48e1: one.used.dsp48e1,
-        ramb36: one.ramb36(),
+        stages: one.folding.words.clone(),
+        cycles_per_patch: one.folding.cycles,
+        worst_picture_cycles_per_patch: one.folding.worst_cycles,
+        frames_per_second: one.folding.frames,
+        multipliers: one.folding.used.multipliers,
+        memories: one.folding.used.whole_memories(),
         on_front,
     }
 }

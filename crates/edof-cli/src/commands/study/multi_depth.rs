@@ -2,7 +2,6 @@
 
 use super::nets;
 use super::options::{Externals, Kernels, MayKeepRows, Outputs, measured, tell};
-use crate::commands::scene;
 use crate::error::Error;
 use crate::files::Files;
 use crate::said;
@@ -90,7 +89,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     args.rows.of(args.outputs.of(files)).check()?;
     args.rows.check::<edof_study::multi_depth::Row>()?;
     let sides = format!("--width {} --height {}", args.width, args.height);
-    scene::fits(args.width, args.height).map_err(|e| Error::message(format!("{sides}: {e}")))?;
+    edof::job::check_memory(args.width, args.height).map_err(|e| Error::message(format!("{sides}: {e}")))?;
     let plan = args.plan(ui)?;
     let mut experiment = Scenes::new(&plan).map_err(|e| match e {
         DrawError::Size { .. } => Error::message(format!("{sides}: {e}")),

@@ -1,10 +1,10 @@
 //! Networks of a study, by name or weight file.
 
-use crate::device::Device;
 use crate::error::Error;
 use crate::files::Files;
 use crate::ui::Ui;
 use crate::{designs, interrupt, weights};
+use edof::job::Device;
 use edof::presets::PresetError;
 use edof_core::Stride;
 use edof_core::camera::Camera;

@@ -275,7 +275,7 @@ pub fn tell<T: StudyReport>(journal: &Journal<T::Row>, outputs: &Outputs, ui: &U
     let (rows, makers) = (journal.rows(), journal.makers());
     let told = T::new(&rows, machines(&makers))?;
     let remarks = Made::remarks(&makers, &Maker::Program(crate::provenance::program()));
-    let made = ui.made(makers);
+    let made = ui.made(makers, journal.file());
     let report = || Ok(told.report(&(ui.signed(&ui.provenance().command) + &remarks)));
     outputs.write(|| told.to_markdown(&made), report, || T::csv(&rows))?;
     ui.say(told.to_text())?;

@@ -2,12 +2,12 @@
 
 use super::nets;
 use super::options::{Externals, Kernels, Outputs, Photographs, Rows, measured, tell};
-use crate::device::Device;
 use crate::error::Error;
 use crate::files::Files;
 use crate::lens::{self, Depth};
 use crate::said;
 use crate::ui::Ui;
+use edof::job::Device;
 use edof_core::{Noise, Tone};
 use edof_study::made::machines;
 use edof_study::methods::dictionary::Dictionary;

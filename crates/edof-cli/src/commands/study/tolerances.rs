@@ -95,9 +95,9 @@ impl Args {
     fn plan(&self, ui: &Ui) -> Result<Plan, Error> {
         let (entry, _) = nets::of_kodak(&self.net, Stride::PATCH, ui)?;
         let camera = entry.camera;
-        if camera.rings.is_empty() {
+        if camera.is_clear() {
             return Err(Error::message(format!(
-                "--net {}: was trained for the camera {}, whose mask has no rings; name a network for a ring mask, such as {}",
+                "--net {}: was trained for the camera {}, which has no mask; name a network for a coded lens, such as {}",
                 self.net,
                 camera.name,
                 weights::default_for(Tone::Linear)
@@ -108,6 +108,17 @@ impl Args {
         };
         let psi = said::psis(&self.psi, &camera)?;
         let (tone, noise, optics) = (self.tone, self.noise.clone(), self.kernels.settings());
-        Ok(Plan { camera, method, tone, psi, noise, kinds: self.errors.clone(), optics })
+        let (kinds, without): (Vec<Kind>, Vec<Kind>) =
+            self.errors.iter().partition(|kind| kind.changes(&camera));
+        for kind in without {
+            ui.note(format!("{}: changes nothing in the camera {}, left out", kind.name(), camera.name));
+        }
+        if kinds.is_empty() {
+            return Err(Error::message(format!(
+                "--errors: none of them changes the camera {}; expected depth, wavelength or focus",
+                camera.name
+            )));
+        }
+        Ok(Plan { camera, method, tone, psi, noise, kinds, optics })
     }
 }

@@ -3,7 +3,7 @@
 use super::photographs::Photograph;
 use crate::error::Error;
 use crate::ui::Ui;
-use crate::{interrupt, memory, said};
+use crate::{interrupt, said};
 use edof_core::ColourFrame;
 use edof_core::camera::Camera;
 use edof_core::storage::digest::sha256;
@@ -29,7 +29,7 @@ pub(super) fn dataset(
     let frames: Vec<ColourFrame> = photographs.iter().map(|p| p.frame.clone()).collect();
     let words: usize = frames.iter().map(|f| f.planes.len() * size_of::<u16>()).sum();
     let pictures = options.augmentation.variants as f64 * (options.psis.len() + 1) as f64;
-    memory::check("photographs (fewer --variants, --depths or --images take less)", words as f64 * pictures)?;
+    said::memory("photographs (fewer --variants, --depths or --images take less)", words as f64 * pictures)?;
     let key = key(camera, &options, photos);
     let file = use_cache.then(|| edof_cosim::user_cache("blurs")).flatten().map(|folder| folder.join(&key));
     if let Some(file) = &file

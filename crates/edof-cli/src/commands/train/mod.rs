@@ -17,7 +17,7 @@ use crate::files::Files;
 use crate::kind::Kind;
 use crate::lens::{self, Lens};
 use crate::ui::Ui;
-use crate::{interrupt, memory, said, weights};
+use crate::{interrupt, said, weights};
 use edof_core::storage::name;
 use edof_core::storage::provenance::{Input, Provenance};
 use edof_network::network::{Form, Network};
@@ -57,7 +57,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     let recipe = &seeds[0].0;
     recipe.check().map_err(said::recipe)?;
     check_threads(args.threads()).map_err(said::recipe)?;
-    memory::check(&format!("--batch {}", recipe.batch), recipe.batch as f64 * bytes_a_window(&recipe.form))?;
+    said::memory(&format!("--batch {}", recipe.batch), recipe.batch as f64 * bytes_a_window(&recipe.form))?;
     let psis = spread(camera.psi_range, args.depths)?;
     let mut photographs = photographs::photographs(&args.images, args.photos.as_ref(), ui)?;
     photographs::leave_out(&mut photographs, &args.leave_out)?;

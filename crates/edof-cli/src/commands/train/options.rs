@@ -30,7 +30,7 @@ use std::time::Duration;
   edof train --from edof-t4w12-outer --camera my-lens.json --steps 10000 --out mine.safetensors")]
 pub struct Args {
     /// Architecture of the network: paper-t4, edof-t4w12, or keywords as in one-sided,w12,t4,c192,r
-    #[arg(long, value_parser = form::parse, long_help = form::HELP, required_unless_present = "from")]
+    #[arg(long, value_parser = form::parse, long_help = form::help(), required_unless_present = "from")]
     pub(super) form: Option<Form>,
 
     /// Camera: a preset such as ring-outer, or a JSON file

@@ -34,7 +34,7 @@ module base_ring #(
   );
 
   always @(posedge clock_i) begin
-    // base_ring.rs:58
+    // base_ring.rs
     write_q <= write_i;
     words_q <= words_i;
     if (write_q) begin
@@ -51,7 +51,7 @@ module base_ring #(
         read_vector_q <= read_vector_q + 3'd1;
       end
     end
-    // base_ring.rs:13: Reset.
+    // base_ring.rs: Reset.
     if (reset_i) begin
       write_q <= 1'b0;
       write_beat_q <= 7'd0;

@@ -64,11 +64,11 @@ module chain (
   wire [31:0] stages_3_out_base_unused, stages_3_status;
   reg guard_reset_q, guard_reset_counters_q, guard_snapshot_1_q, guard_snapshot_q;
 
-  // chain.rs:150: Windows, whole ones, go to I, and to F.
+  // chain.rs: Windows, whole ones, go to I, and to F.
   wire stages_0_valid = guard_out_valid && stages_3_window_ready;
   wire stages_3_window_valid = guard_out_valid && stages_0_ready;
 
-  // chain.rs:191: The host.
+  // chain.rs: The host.
   always @* begin
     status_word = guard_status_q;
     status_word = status_word | stages_0_status;
@@ -77,7 +77,7 @@ module chain (
     status_word = status_word | stages_3_status;
   end
 
-  // chain.rs:195: The host.
+  // chain.rs: The host.
   assign status_o = status_word;
 
   window_guard guard (
@@ -160,13 +160,13 @@ module chain (
   );
 
   always @(posedge clock_i) begin
-    // chain.rs:126: Windows, whole ones, go to I, and to F.
+    // chain.rs: Windows, whole ones, go to I, and to F.
     guard_reset_q <= reset_i || flush_i;
     guard_reset_counters_q <= reset_i;
     guard_snapshot_1_q <= write_valid_i && (write_address_i[24:21] == WHOLE_CHAIN)
         && (write_address_i[20:19] == 2'd3);
     guard_snapshot_q <= guard_snapshot_1_q;
-    // chain.rs:184: The host.
+    // chain.rs: The host.
     guard_status_q <= 32'd0;
     if (status_address_i[5:2] == WHOLE_CHAIN) begin
       guard_status_q <= too_short;

@@ -21,7 +21,7 @@ module counters (
 
   wire [31:0] count_nonzero_count, count_results_count, count_codes_count, count_differences_count;
 
-  // counters.rs:117
+  // counters.rs
   always @* begin
     case (select_i)
       2'd1: value_o = count_results_count;

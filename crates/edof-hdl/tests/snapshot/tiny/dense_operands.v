@@ -31,10 +31,10 @@ module dense_operands (
   reg [15:0] value_a_3_q, value_b_3_q, value_c_3_q, value_d_3_q;
   reg [24:0] value_a_4_q, value_b_4_q, value_c_4_q, value_d_4_q;
 
-  // dense_operands.rs:71: With the step, until what it read is there: bit 0 first, 1 valid, 2 odd.
+  // dense_operands.rs: With the step, until what it read is there: bit 0 first, 1 valid, 2 odd.
   wire [2:0] flags = {odd_i, valid_i, first_i};
 
-  // dense_operands.rs:97: Cycle 4: as wide as a multiplier's input.
+  // dense_operands.rs: Cycle 4: as wide as a multiplier's input.
   wire [24:0] wide_a = {{9{value_a_3_q[15]}}, value_a_3_q};
   wire [24:0] wide_b = {{9{value_b_3_q[15]}}, value_b_3_q};
   wire [24:0] wide_c = {{9{value_c_3_q[15]}}, value_c_3_q};
@@ -55,9 +55,9 @@ module dense_operands (
   );
 
   always @(posedge clock_i) begin
-    // dense_operands.rs:75: With the step, until what it read is there: bit 0 first, 1 valid, 2 odd.
+    // dense_operands.rs: With the step, until what it read is there: bit 0 first, 1 valid, 2 odd.
     row_q <= base_i + offset_i;
-    // dense_operands.rs:79: Cycle 3: the element of two.
+    // dense_operands.rs: Cycle 3: the element of two.
     value_a_3_q <= pair_a_i[15:0];
     value_b_3_q <= pair_b_i[15:0];
     value_c_3_q <= pair_c_i[15:0];
@@ -74,7 +74,7 @@ module dense_operands (
       value_c_3_q <= 16'd0;
       value_d_3_q <= 16'd0;
     end
-    // dense_operands.rs:101: Cycle 4: as wide as a multiplier's input.
+    // dense_operands.rs: Cycle 4: as wide as a multiplier's input.
     value_a_4_q <= wide_a;
     value_b_4_q <= wide_b;
     value_c_4_q <= wide_c;

@@ -40,18 +40,18 @@ module dense_store (
   reg [1:0] part_q, write_slot_q;
   reg [6:0] row_q;
 
-  // dense_store.rs:105: Room for a vector.
+  // dense_store.rs: Room for a vector.
   assign ready_o = ready_q;
   wire accept = valid_i && ready_q;
 
-  // dense_store.rs:107: Room for a vector.
+  // dense_store.rs: Room for a vector.
   always @* begin
     full_next = full_q;
     if (accept && last_i && !finished_i) full_next = full_q + 3'd1;
     else if (finished_i && (!(accept && last_i))) full_next = full_q - 3'd1;
   end
 
-  // dense_store.rs:133: Where a beat goes: one part after the other.
+  // dense_store.rs: Where a beat goes: one part after the other.
   wire [11:0] write_row = {3'd0, write_slot_q, row_q};
   wire parts_0_write_enable = valid_1_q && (part_q == PART_IDS_0);
   wire [11:0] parts_0_read_address = {3'd0, read_row_i};
@@ -60,7 +60,7 @@ module dense_store (
   assign arrived_o = arrived_3_q;
   assign descriptor_o = set_3_q ? (DESCRIPTOR_OF_SET_0 | 12'd1) : DESCRIPTOR_OF_SET_0;
 
-  // dense_store.rs:156: Read.
+  // dense_store.rs: Read.
   assign pair_c_o = 32'd0;
   assign pair_d_o = 32'd0;
 
@@ -75,10 +75,10 @@ module dense_store (
   );
 
   always @(posedge clock_i) begin
-    // dense_store.rs:113: Room for a vector.
+    // dense_store.rs: Room for a vector.
     full_q <= full_next;
     ready_q <= full_next != ALL_SLOTS;
-    // dense_store.rs:117: Where a beat goes: one part after the other.
+    // dense_store.rs: Where a beat goes: one part after the other.
     valid_1_q <= accept;
     data_1_q <= data_i;
     last_1_q <= last_i;
@@ -99,7 +99,7 @@ module dense_store (
     set_2_q <= set_1_q;
     arrived_3_q <= arrived_2_q;
     set_3_q <= set_2_q;
-    // dense_store.rs:13: Reset.
+    // dense_store.rs: Reset.
     if (reset_i) begin
       full_q <= 3'd0;
       ready_q <= 1'b0;

@@ -40,17 +40,17 @@ module drain #(
   reg [1:0] open_q;
   reg [7:0] remaining_q, beat_q, credits_q, taken_beat_q;
 
-  // drain.rs:97
+  // drain.rs
   wire [1:0] issued = (pass_issued_i && set_i) ? 2'd3 : (pass_issued_i ? 2'd1 : 2'd0);
   wire copy_now = sum_ready_q && (!busy_q || (is_active_q && at_last_q));
   wire pop = is_active_q || (loaded_q && has_credits_q);
   wire release_pass = pop && (remaining_q == RELEASE_AT);
 
-  // drain.rs:151: A drain may begin in the cycle after the last take of the one before: that one's credit is
+  // drain.rs: A drain may begin in the cycle after the last take of the one before: that one's credit is
   // spent.
   assign may_start_o = !open_q[1];
 
-  // drain.rs:159: A cycle later.
+  // drain.rs: A cycle later.
   assign copy_o = copy_q;
   assign take_o = take_q;
   assign beat_o = taken_beat_q;
@@ -60,7 +60,7 @@ module drain #(
   edof_delay #(.WIDTH(2), .CYCLES(6)) in_flight (.clock_i(clock_i), .data_i(issued), .data_o(delayed));
 
   always @(posedge clock_i) begin
-    // drain.rs:110: A pass whose sums are taken, copied, stand ready: the last take of one may be the copy of
+    // drain.rs: A pass whose sums are taken, copied, stand ready: the last take of one may be the copy of
     // the next.
     if (pop) begin
       loaded_q <= 1'b0;
@@ -86,21 +86,21 @@ module drain #(
       sum_ready_q <= 1'b1;
       sum_set_q <= delayed[1];
     end
-    // drain.rs:138: Passes that have begun and are not released; room in the FIFO.
+    // drain.rs: Passes that have begun and are not released; room in the FIFO.
     if (begins_i && !release_pass) open_q <= open_q + 2'd1;
     else if (release_pass && !begins_i) open_q <= open_q - 2'd1;
     if (pop && !credit_return_i) credits_q <= credits_q - 8'd1;
     else if (credit_return_i && !pop) credits_q <= credits_q + 8'd1;
-    // drain.rs:149: A drain may begin in the cycle after the last take of the one before: that one's credit is
+    // drain.rs: A drain may begin in the cycle after the last take of the one before: that one's credit is
     // spent.
     has_credits_q <= (credits_q > NEEDED_CREDITS) || ((credits_q == NEEDED_CREDITS) && !pop);
-    // drain.rs:154: A cycle later.
+    // drain.rs: A cycle later.
     copy_q <= copy_now;
     take_q <= pop;
     taken_beat_q <= beat_q;
     last_q <= beat_q == LAST_BEAT;
     set_q <= drain_set_q;
-    // drain.rs:14: Reset.
+    // drain.rs: Reset.
     if (reset_i) begin
       sum_ready_q <= 1'b0;
       open_q <= 2'd0;

@@ -28,10 +28,10 @@ module frame_check_w32 #(
   reg [31:0] whole_q, latched_q;
   reg [7:0] frames_q, latched_frames_q;
 
-  // frame_check.rs:62
+  // frame_check.rs
   wire [1:0] resets_data = reset_i ? 2'd3 : 2'd0;
 
-  // frame_check.rs:89: Which beat it is; the CRC is made a cycle after its last one.
+  // frame_check.rs: Which beat it is; the CRC is made a cycle after its last one.
   assign crc_o = latched_q;
   assign frames_o = latched_frames_q;
 
@@ -42,9 +42,9 @@ module frame_check_w32 #(
   );
 
   always @(posedge clock_i) begin
-    // frame_check.rs:66
+    // frame_check.rs
     valid_q <= valid_i;
-    // frame_check.rs:72: Which beat it is; the CRC is made a cycle after its last one.
+    // frame_check.rs: Which beat it is; the CRC is made a cycle after its last one.
     ends_q <= valid_q && at_end_q;
     if (valid_q) begin
       is_first_q <= at_end_q;
@@ -68,7 +68,7 @@ module frame_check_w32 #(
       latched_q <= 32'd0;
       latched_frames_q <= 8'd0;
     end
-    // frame_check.rs:12: Reset.
+    // frame_check.rs: Reset.
     if (reset_i) begin
       valid_q <= 1'b0;
       is_first_q <= 1'b1;

@@ -40,16 +40,16 @@ module pair_operands #(
   reg [3:0] shift_3_q;
   reg [24:0] value_a_4_q, value_b_4_q;
 
-  // pair_operands.rs:94: With the step, until what it read is there: bit 0 first, 1 valid, 2 a second valid, 3
+  // pair_operands.rs: With the step, until what it read is there: bit 0 first, 1 valid, 2 a second valid, 3
   // window, 4 odd, 5 set.
   wire [5:0] flags = {set_i, odd_i, linear_i, valid_b_i, valid_a_i, first_i};
 
-  // pair_operands.rs:105: Cycle 3: the pair or pixel.
+  // pair_operands.rs: Cycle 3: the pair or pixel.
   wire [24:0] pair_a = flags_to_2_delayed[4] ? odd_pair_i : even_pair_i;
   wire [15:0] pixel_a = flags_to_2_delayed[4] ? pixels_i[31:16] : pixels_i[15:0];
   wire [7:0] shifts = flags_to_2_delayed[5] ? shifts_1_i : shifts_0_i;
 
-  // pair_operands.rs:139: Cycle 4: aligned, and its row.
+  // pair_operands.rs: Cycle 4: aligned, and its row.
   wire [24:0] wide_a = {{9{value_a_3_q[15]}}, value_a_3_q};
   wire [24:0] wide_b = {{9{value_b_3_q[15]}}, value_b_3_q};
   assign address_a_o = address_a_4_q;
@@ -70,7 +70,7 @@ module pair_operands #(
   );
 
   always @(posedge clock_i) begin
-    // pair_operands.rs:111: Cycle 3: the pair or pixel.
+    // pair_operands.rs: Cycle 3: the pair or pixel.
     value_a_3_q <= pair_a[15:0];
     value_b_3_q <= odd_pair_i[15:0];
     offset_a_3_q <= {3'd0, pair_a[24:16]};
@@ -83,7 +83,7 @@ module pair_operands #(
       offset_b_3_q <= rows_to_2_delayed[11:0] | 12'd1;
       shift_3_q <= shifts[7:4];
     end
-    // pair_operands.rs:128: Without work the row is one that there is, not what an unwritten pair says.
+    // pair_operands.rs: Without work the row is one that there is, not what an unwritten pair says.
     if (!flags_to_2_delayed[1]) begin
       value_a_3_q <= 16'd0;
       offset_a_3_q <= 12'd0;
@@ -93,7 +93,7 @@ module pair_operands #(
       offset_b_3_q <= 12'd0;
     end
     base_3_q <= rows_to_2_delayed[23:12];
-    // pair_operands.rs:147: Cycle 4: aligned, and its row.
+    // pair_operands.rs: Cycle 4: aligned, and its row.
     value_a_4_q <= wide_a;
     value_b_4_q <= wide_b;
     if (ALIGNS) begin

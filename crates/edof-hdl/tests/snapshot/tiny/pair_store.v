@@ -45,18 +45,18 @@ module pair_store #(
   reg [11:0] even_row_3_q, odd_row_3_q;
   reg [24:0] even_data_3_q, odd_data_3_q;
 
-  // pair_store.rs:126: Room for a vector.
+  // pair_store.rs: Room for a vector.
   assign ready_o = ready_q;
   wire accept = valid_i && ready_q;
 
-  // pair_store.rs:128: Room for a vector.
+  // pair_store.rs: Room for a vector.
   always @* begin
     full_next = full_q;
     if (accept && last_i && !finished_i) full_next = full_q + 3'd1;
     else if (finished_i && (!(accept && last_i))) full_next = full_q - 3'd1;
   end
 
-  // pair_store.rs:154: Where they go.
+  // pair_store.rs: Where they go.
   wire store_one = store_even_2_q || store_odd_2_q;
   wire store_both = store_even_2_q && store_odd_2_q;
   wire [24:0] arrived_even = {beat_q, 1'b0, even_2_q};
@@ -65,11 +65,11 @@ module pair_store #(
   wire [11:0] row = ({10'd0, write_slot_q} << 7) | {4'd0, stored_q[8:1]};
   wire [8:0] stored_next = store_both ? (stored_q + 9'd2) : (store_one ? (stored_q + 9'd1) : stored_q);
 
-  // pair_store.rs:205: Written; and what the sequencer must know: steps before the last, and whether the last
+  // pair_store.rs: Written; and what the sequencer must know: steps before the last, and whether the last
   // one lacks a second pair.
   wire [8:0] before_last = count_3_q - 9'd1;
 
-  // pair_store.rs:206: Written; and what the sequencer must know: steps before the last, and whether the last
+  // pair_store.rs: Written; and what the sequencer must know: steps before the last, and whether the last
   // one lacks a second pair.
   always @* begin
     steps = before_last[7:0];
@@ -87,7 +87,7 @@ module pair_store #(
     end
   end
 
-  // pair_store.rs:227: Written; and what the sequencer must know: steps before the last, and whether the last
+  // pair_store.rs: Written; and what the sequencer must know: steps before the last, and whether the last
   // one lacks a second pair.
   assign arrived_o = arrived_3_q;
   assign descriptor_o = {steps, flags};
@@ -103,10 +103,10 @@ module pair_store #(
   );
 
   always @(posedge clock_i) begin
-    // pair_store.rs:134: Room for a vector.
+    // pair_store.rs: Room for a vector.
     full_q <= full_next;
     ready_q <= full_next != ALL_SLOTS;
-    // pair_store.rs:138: Which elements are kept.
+    // pair_store.rs: Which elements are kept.
     valid_1_q <= accept;
     even_1_q <= even_i;
     odd_1_q <= odd_i;
@@ -119,7 +119,7 @@ module pair_store #(
     odd_2_q <= odd_1_q;
     last_2_q <= last_1_q;
     set_2_q <= set_1_q;
-    // pair_store.rs:166: Where they go.
+    // pair_store.rs: Where they go.
     even_write_3_q <= store_one;
     even_row_3_q <= row;
     even_data_3_q <= arrived_first;
@@ -145,7 +145,7 @@ module pair_store #(
     arrived_3_q <= valid_2_q && last_2_q;
     count_3_q <= stored_next;
     set_3_q <= set_2_q;
-    // pair_store.rs:14: Reset.
+    // pair_store.rs: Reset.
     if (reset_i) begin
       full_q <= 3'd0;
       ready_q <= 1'b0;

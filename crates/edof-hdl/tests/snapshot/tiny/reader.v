@@ -47,20 +47,20 @@ module reader (
   wire [1:0] delayed;
   reg [63:0] word_q;
 
-  // reader.rs:101: A row is asked for in cycle 0, as long as it takes; it is here before the 192nd, and goes
+  // reader.rs: A row is asked for in cycle 0, as long as it takes; it is here before the 192nd, and goes
   // through the CRC in the last 64.
   wire advance = request_q && (grant_i || (thresholds_valid_i && (|space_q)) || (space_q == 2'd3));
   wire [1:0] shifts_data = (is_active_q && (cycle_q[7:6] == 2'd3)) ? 2'd3 : 2'd0;
   wire restart = at_end_q && (fresh_q || (|remaining_q));
 
-  // reader.rs:151: What comes is gathered by or; 64 turns later the row is as it was.
+  // reader.rs: What comes is gathered by or; 64 turns later the row is as it was.
   wire [63:0] rotated = word_q[0] ? ((word_q >> 1) | TOP) : (word_q >> 1);
   assign request_weights_o = request_q && (space_q == 2'd0);
   assign request_thresholds_o = request_q && ((space_q == 2'd1) || (space_q == 2'd2));
   assign bank_o = bank_q;
   assign row_o = row_q;
 
-  // reader.rs:179
+  // reader.rs
   always @* begin
     case (select_i)
       2'd1: status_word = word_q[31:0];
@@ -73,13 +73,13 @@ module reader (
     endcase
   end
 
-  // reader.rs:189
+  // reader.rs
   assign value_o = status_word;
 
   edof_delay #(.WIDTH(2), .CYCLES(1)) shifts (.clock_i(clock_i), .data_i(shifts_data), .data_o(delayed));
 
   always @(posedge clock_i) begin
-    // reader.rs:105: A row is asked for in cycle 0, as long as it takes; it is here before the 192nd, and goes
+    // reader.rs: A row is asked for in cycle 0, as long as it takes; it is here before the 192nd, and goes
     // through the CRC in the last 64.
     if (is_active_q && (!request_q || advance)) cycle_q <= cycle_q + 8'd1;
     at_end_q <= is_active_q && (cycle_q == 8'd254);
@@ -106,7 +106,7 @@ module reader (
     end
     clear_word_q <= restart || reset_i;
     clear_crc_q <= (at_end_q && fresh_q) || reset_i;
-    // reader.rs:143: What comes is gathered by or; 64 turns later the row is as it was.
+    // reader.rs: What comes is gathered by or; 64 turns later the row is as it was.
     read_word_q <= 32'd0;
     if (advance && (space_q == 2'd1)) read_word_q <= thresholds_i;
     else if (advance && (space_q == 2'd2)) read_word_q <= previous_i;
@@ -119,7 +119,7 @@ module reader (
       if (crc_q[0] != word_q[0]) crc_q <= (crc_q >> 1) ^ POLYNOMIAL;
     end
     if (clear_crc_q) crc_q <= ONES;
-    // reader.rs:14: Reset.
+    // reader.rs: Reset.
     if (reset_i) begin
       is_active_q <= 1'b0;
       request_q <= 1'b0;

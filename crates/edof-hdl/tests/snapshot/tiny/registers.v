@@ -26,7 +26,7 @@ module registers #(
   reg [19:0] shifts_0_q, shifts_1_q;
   reg skip_q;
 
-  // registers.rs:66
+  // registers.rs
   assign shifts_0_o = shifts_0_q;
   assign shifts_1_o = shifts_1_q;
   assign skip_zeros_o = skip_q;
@@ -34,13 +34,13 @@ module registers #(
   edof_start #(.WIDTH(20), .INIT(INIT)) start (.clock_i(clock_i), .first_o(start_first), .second_o(second));
 
   always @(posedge clock_i) begin
-    // registers.rs:57
+    // registers.rs
     if (write_enable_i) begin
       if (write_row_i == 12'd0) shifts_0_q <= write_data_i[19:0];
       else if (write_row_i == 12'd1) shifts_1_q <= write_data_i[19:0];
       else if (write_row_i == 12'd2) skip_q <= write_data_i[0];
     end
-    // registers.rs:11: Reset.
+    // registers.rs: Reset.
     if (reset_i) begin
       shifts_0_q <= start_first;
       shifts_1_q <= second;

@@ -37,15 +37,15 @@ module requantize #(
   reg [15:0] result_9_q, result_q;
   reg too_large_q, too_small_q, saturated_q;
 
-  // requantize.rs:87: Cycles 1 and 2: the base to its place; the rounding term.
+  // requantize.rs: Cycles 1 and 2: the base to its place; the rounding term.
   wire [47:0] extended = base_i[15] ? ({32'd0, base_i} | SIGN_BITS) : {32'd0, base_i};
   wire [5:0] coarse_to_1_data = base_shift_i & 6'h38;
 
-  // requantize.rs:107: Cycles 7 and 8: an arithmetic shift right, the sign filled in from above.
+  // requantize.rs: Cycles 7 and 8: an arithmetic shift right, the sign filled in from above.
   wire [47:0] fine_fill = total_sum[47] ? (~(ONES >> (shift_to_6_delayed & 6'd7))) : 48'd0;
   wire [47:0] coarse_fill = fine_7_q[47] ? (~(ONES >> coarse_7_q)) : 48'd0;
 
-  // requantize.rs:121: Cycles 9 and 10: saturation. In a value that fits, all bits from the sign bit on are
+  // requantize.rs: Cycles 9 and 10: saturation. In a value that fits, all bits from the sign bit on are
   // equal.
   wire [47:0] outside = shifted_8_q[47] ? (~shifted_8_q & BEYOND) : (shifted_8_q & BEYOND);
   assign result_o = result_q;
@@ -65,16 +65,16 @@ module requantize #(
   edof_add total (.clock_i(clock_i), .a_i(sum_to_4_delayed), .b_i(with_half_sum), .sum_o(total_sum));
 
   always @(posedge clock_i) begin
-    // requantize.rs:91: Cycles 1 and 2: the base to its place; the rounding term.
+    // requantize.rs: Cycles 1 and 2: the base to its place; the rounding term.
     fine_1_q <= extended << (base_shift_i & 6'd7);
     half_1_q <= (ONE << result_shift_i) >> 1;
     aligned_2_q <= (fine_1_q << coarse_to_1_delayed) & BASE_BITS;
     half_2_q <= half_1_q;
-    // requantize.rs:111: Cycles 7 and 8: an arithmetic shift right, the sign filled in from above.
+    // requantize.rs: Cycles 7 and 8: an arithmetic shift right, the sign filled in from above.
     fine_7_q <= (total_sum >> (shift_to_6_delayed & 6'd7)) | fine_fill;
     coarse_7_q <= shift_to_6_delayed & 6'h38;
     shifted_8_q <= (fine_7_q >> coarse_7_q) | coarse_fill;
-    // requantize.rs:125: Cycles 9 and 10: saturation. In a value that fits, all bits from the sign bit on are
+    // requantize.rs: Cycles 9 and 10: saturation. In a value that fits, all bits from the sign bit on are
     // equal.
     result_9_q <= shifted_8_q[15:0];
     too_large_q <= (|outside) && !shifted_8_q[47];

@@ -62,24 +62,24 @@ module results #(
   wire requantize_even_saturated, requantize_odd_saturated, shrink_even_saturated, shrink_odd_saturated;
   wire [31:0] base_ring_front, codes_to_23_delayed, result_to_23_delayed, base_to_23_delayed;
 
-  // results.rs:188: What travels with a beat: bit 0 it is one, bit 1 last, bit 2 set.
+  // results.rs: What travels with a beat: bit 0 it is one, bit 1 last, bit 2 set.
   wire [2:0] marks = {set_i, last_i, take_i};
   wire [9:0] place = {take_i, set_i, beat_i};
 
-  // results.rs:216: Cycles 7 to 17: base and rounding.
+  // results.rs: Cycles 7 to 17: base and rounding.
   wire [31:0] result = {requantize_odd_result, requantize_even_result};
 
-  // results.rs:235: Cycles 18 to 20: thresholds, read in cycle 17.
+  // results.rs: Cycles 18 to 20: thresholds, read in cycle 17.
   assign read_valid_o = read_17_q;
   assign read_previous_o = 32'd0;
   wire [31:0] code = {shrink_odd_result, shrink_even_result};
   wire [31:0] sent = SHRINKS ? codes_to_23_delayed : result_to_23_delayed;
 
-  // results.rs:269: Cycles 21 to 23: the difference to the z before, made again from the base and the
+  // results.rs: Cycles 21 to 23: the difference to the z before, made again from the base and the
   // thresholds before.
   assign difference_saturated_o = {1'b0, 1'b0};
 
-  // results.rs:302: Output words. Base words that only pass through wait where all do, in the FIFO behind.
+  // results.rs: Output words. Base words that only pass through wait where all do, in the FIFO behind.
   assign base_push_o = PASSES_BASE ? base_mark_q : marks_to_23_delayed[0];
   assign base_o = PASSES_BASE ? base_ring_front : base_to_23_delayed;
   assign data_o = sent;
@@ -157,17 +157,17 @@ module results #(
   );
 
   always @(posedge clock_i) begin
-    // results.rs:204: Cycles 7 to 17: base and rounding.
+    // results.rs: Cycles 7 to 17: base and rounding.
     shifts_q <= shifts_0_i[11:0];
     if (marks_to_6_delayed[2]) shifts_q <= shifts_1_i[11:0];
-    // results.rs:223: Cycles 18 to 20: thresholds, read in cycle 17.
+    // results.rs: Cycles 18 to 20: thresholds, read in cycle 17.
     threshold_row_q <= {4'd0, place_to_15_delayed[7:0]};
     if (place_to_15_delayed[8]) threshold_row_q <= {4'd0, place_to_15_delayed[7:0]} + SET_ROWS;
     read_16_q <= read_wanted_i;
     if (place_to_15_delayed[9]) read_16_q <= 1'b0;
     else threshold_row_q <= read_row_i;
     read_17_q <= read_16_q;
-    // results.rs:301: Output words. Base words that only pass through wait where all do, in the FIFO behind.
+    // results.rs: Output words. Base words that only pass through wait where all do, in the FIFO behind.
     base_mark_q <= marks_to_6_delayed[0];
   end
 

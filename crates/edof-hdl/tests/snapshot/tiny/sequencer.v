@@ -56,7 +56,7 @@ module sequencer #(
   reg is_last_q;
   reg [7:0] remaining_q, step_q;
 
-  // sequencer.rs:127: The step of this cycle, and whether a pass begins with the next.
+  // sequencer.rs: The step of this cycle, and whether a pass begins with the next.
   wire step_valid = active_q && !steal_i;
   wire pass_done = step_valid && at_end_q && (linear_q || !HAS_LINEAR);
   wire grant = next_known_q && may_start_i && (!active_q || pass_done);
@@ -65,7 +65,7 @@ module sequencer #(
   assign pass_issued_o = pass_done;
   assign finished_o = pass_done && is_last_q;
 
-  // sequencer.rs:167: The pass that begins next.
+  // sequencer.rs: The pass that begins next.
   always @* begin
     case (slot_q)
       2'd1: next = descriptor_1_q;
@@ -75,7 +75,7 @@ module sequencer #(
     endcase
   end
 
-  // sequencer.rs:215: What the step reads.
+  // sequencer.rs: What the step reads.
   assign valid_a_o = step_valid && (linear_q || !empty_q);
   assign valid_b_o = step_valid && (linear_q || (!(at_end_q && odd_count_q)));
   assign first_o = step_valid && first_q;
@@ -89,7 +89,7 @@ module sequencer #(
   assign read_pixels_o = row;
 
   always @(posedge clock_i) begin
-    // sequencer.rs:138: Vectors that wait.
+    // sequencer.rs: Vectors that wait.
     if (arrived_i) begin
       write_slot_q <= write_slot_q + 2'd1;
       case (write_slot_q)
@@ -101,7 +101,7 @@ module sequencer #(
     end
     if (arrived_i && !pop) waiting_q <= waiting_q + 3'd1;
     else if (pop && !arrived_i) waiting_q <= waiting_q - 3'd1;
-    // sequencer.rs:157: The pass that begins next.
+    // sequencer.rs: The pass that begins next.
     if (grant) begin
       pass_q <= pass_q + 6'd1;
       pass_row_q <= pass_row_q + PASS_ROWS;
@@ -117,7 +117,7 @@ module sequencer #(
     job_is_last_q <= pass_q == LAST_PASS;
     job_row_q <= pass_row_q;
     if (next[0]) job_row_q <= pass_row_q + SET_ROWS;
-    // sequencer.rs:184: The step of the next cycle.
+    // sequencer.rs: The step of the next cycle.
     if (step_valid) begin
       first_q <= 1'b0;
       remaining_q <= remaining_q - 8'd1;
@@ -145,7 +145,7 @@ module sequencer #(
       base_q <= job_row_q;
       is_last_q <= job_is_last_q;
     end
-    // sequencer.rs:12: Reset.
+    // sequencer.rs: Reset.
     if (reset_i) begin
       write_slot_q <= 2'd0;
       waiting_q <= 3'd0;

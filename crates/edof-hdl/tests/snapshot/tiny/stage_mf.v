@@ -102,35 +102,35 @@ module stage_mf #(
   reg [18:0] address_2_q;
   wire [52:0] weights_to_5_delayed;
 
-  // stage.rs:194: Each part has a register for its reset.
+  // stage.rs: Each part has a register for its reset.
   wire [7:0] resets = (reset_i || flush_i) ? 8'hff : 8'd0;
 
-  // stage.rs:246: In: vectors, bases, windows.
+  // stage.rs: In: vectors, bases, windows.
   assign window_ready_o = !HAS_LINEAR || ring_ready;
 
-  // stage.rs:324: What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2
+  // stage.rs: What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2
   // set, then which.
   wire [10:0] marks = {drain_beat, take_set, drain_last, drain_take};
 
-  // stage.rs:340: Out.
+  // stage.rs: Out.
   wire [33:0] finished_word = {results_data, results_done};
   assign out_data_o = fifo_front_data[33:2];
   assign out_last_o = fifo_front_data[0];
   assign out_set_o = fifo_front_data[1];
 
-  // stage.rs:366: The host. A weight that both ports read, or a row that is read back, takes the place of a
+  // stage.rs: The host. A weight that both ports read, or a row that is read back, takes the place of a
   // step, four cycles after that was due.
   wire selected = write_1_q && (address_1_q[24:21] == ID);
 
-  // stage.rs:378: A row is read back in a cycle without a write, whatever that would write.
+  // stage.rs: A row is read back in a cycle without a write, whatever that would write.
   wire reads = request_weights && !write_1_q;
 
-  // stage.rs:392: Bit 0 writes, bit 1 reads.
+  // stage.rs: Bit 0 writes, bit 1 reads.
   wire [52:0] weights_word = {address_2_q, data_2_q, 2'd0};
   wire [52:0] weights_marks = weights_2_q ? 53'd1 : (read_2_q ? 53'd2 : 53'd0);
   wire [52:0] weights_to_5_data = weights_word | weights_marks;
 
-  // stage.rs:429: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
+  // stage.rs: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
   always @* begin
     reader_register = {12'd0, shifts_0};
     if (reader_row[2]) begin
@@ -144,7 +144,7 @@ module stage_mf #(
     end
   end
 
-  // stage.rs:445: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
+  // stage.rs: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
   wire [31:0] read_word = status_address_i[6] ? reader_value : counters_value;
   assign status_o = status_q;
 
@@ -275,7 +275,7 @@ module stage_mf #(
   );
 
   always @(posedge clock_i) begin
-    // stage.rs:363: The host. A weight that both ports read, or a row that is read back, takes the place of a
+    // stage.rs: The host. A weight that both ports read, or a row that is read back, takes the place of a
     // step, four cycles after that was due.
     write_1_q <= write_valid_i;
     address_1_q <= write_address_i;
@@ -287,12 +287,12 @@ module stage_mf #(
     command_2_q <= selected && (address_1_q[20:19] == 2'd3) && (address_1_q[12:1] == READ_REGISTER);
     address_2_q <= address_1_q[18:0];
     data_2_q <= data_1_q;
-    // stage.rs:379: A row is read back in a cycle without a write, whatever that would write.
+    // stage.rs: A row is read back in a cycle without a write, whatever that would write.
     read_2_q <= reads;
     if (reads) address_2_q <= {reader_bank, reader_row, 1'b0};
     steal_2_q <= reads || (BOTH_PORTS && selected && (address_1_q[20:19] == 2'd0));
     snapshot_2_q <= write_1_q && (address_1_q[24:21] == WHOLE_CHAIN) && (address_1_q[20:19] == 2'd3);
-    // stage.rs:449: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
+    // stage.rs: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
     status_q <= 32'd0;
     if (status_address_i[5:2] == ID) status_q <= read_word;
   end

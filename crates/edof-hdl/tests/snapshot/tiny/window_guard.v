@@ -39,7 +39,7 @@ module window_guard (
   reg [6:0] beat_q;
   reg at_end_q, fill_q, drop_q, set_q, fault_q, short_q, long_q;
 
-  // window_guard.rs:87
+  // window_guard.rs
   wire is_available = fill_q || (valid_i && !drop_q);
   wire advance = is_available && out_ready_i;
   wire accept = advance && !fill_q;
@@ -61,7 +61,7 @@ module window_guard (
   );
 
   always @(posedge clock_i) begin
-    // window_guard.rs:100
+    // window_guard.rs
     short_q <= 1'b0;
     long_q <= 1'b0;
     if (advance) begin
@@ -82,7 +82,7 @@ module window_guard (
     if (drop_q && valid_i && last_i) drop_q <= 1'b0;
     fault_q <= fault_q || short_q || long_q;
     if (reset_counters_i || snapshot_i) fault_q <= 1'b0;
-    // window_guard.rs:13: Reset.
+    // window_guard.rs: Reset.
     if (reset_i) begin
       beat_q <= 7'd0;
       at_end_q <= 1'b0;

@@ -33,19 +33,19 @@ module window_ring #(
   reg [31:0] pixels_q;
   reg [5:0] write_window_q, oldest_q;
 
-  // window_ring.rs:78
+  // window_ring.rs
   assign ready_o = ready_q;
   wire accept = valid_i && ready_q;
   wire arrived = accept && last_i;
 
-  // window_ring.rs:81
+  // window_ring.rs
   always @* begin
     held_next = held_q;
     if (arrived && !finished_i) held_next = held_q + 7'd1;
     else if (finished_i && !arrived) held_next = held_q - 7'd1;
   end
 
-  // window_ring.rs:95
+  // window_ring.rs
   always @* begin
     ram_write_address = ({6'd0, write_window_q} << 5) | {5'd0, write_beat_q};
     ram_read_address = ({6'd0, oldest_q} << 5) | {5'd0, read_pair_i};
@@ -61,7 +61,7 @@ module window_ring #(
   );
 
   always @(posedge clock_i) begin
-    // window_ring.rs:87
+    // window_ring.rs
     held_q <= held_next;
     ready_q <= held_next != MAX_WINDOWS;
     write_q <= accept;
@@ -75,7 +75,7 @@ module window_ring #(
       end
     end
     if (finished_i) oldest_q <= (oldest_q + 6'd1) & LAST_WINDOW;
-    // window_ring.rs:12: Reset.
+    // window_ring.rs: Reset.
     if (reset_i) begin
       write_q <= 1'b0;
       write_beat_q <= 7'd0;

@@ -169,6 +169,7 @@ impl Plan {
             weights: peer.method.weights().map(str::to_owned),
             photo: photo.1.to_owned(),
             camera: Some(sha256(peer.camera.to_json().as_bytes())),
+            ..Proof::default()
         }
     }
 }
@@ -219,7 +220,6 @@ impl Experiment for Photographing<'_> {
         let electrons = |cell: &Cell| plan.estimator.electrons[cell.light];
         let noise: Vec<Noise> = cells.iter().map(|(cell, _)| plan.noise(own, electrons(cell))).collect();
         let shots = trial.shots(self.kernels(peer, psi)?, &noise)?;
-        let identity = own.method.method();
         let mut rows = vec![];
         for ((cell, proof), (noise, raw)) in cells.iter().zip(&shots) {
             let case = Case { camera: &own.camera, psi: depth, noise: *noise, optics: plan.optics };
@@ -238,7 +238,7 @@ impl Experiment for Photographing<'_> {
                 windows: own.windows,
                 image: trial.image(),
                 psi: open,
-                psnr_db: trial.row(*noise, &identity, &result)?.picture.psnr_db,
+                psnr_db: trial.psnr_db(&result)?,
                 estimated_average_db: estimated[cell.light].average_db,
                 estimated_worst_db: estimated[cell.light].worst_db,
                 proof: proof.clone(),

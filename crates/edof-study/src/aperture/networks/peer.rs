@@ -53,8 +53,7 @@ impl Peer {
     pub fn new(coded: &Camera, stops: &[f64], mut nets: Vec<Net>) -> Result<Self, PeerError> {
         let Some(first) = nets.first() else { return Err(ByNoiseError::None.into()) };
         let camera = first.float.origin.camera.clone();
-        let lens =
-            if camera.rings.is_empty() && camera.profile.is_none() { Lens::Clear } else { Lens::Coded };
+        let lens = if camera.is_clear() { Lens::Clear } else { Lens::Coded };
         let closed = 2.0 * (coded.aperture_radius_mm / camera.aperture_radius_mm).log2();
         let allowed: &[f64] = if lens == Lens::Coded { &[0.0] } else { stops };
         let known = allowed.iter().copied().find(|stops| (stops - closed).abs() < 1e-6);
@@ -89,19 +88,13 @@ impl Peer {
 
 /// Whether a camera is the coded lens or its clear one, except for aperture, focus and range, which begins at ψ = 0.
 fn is_same(coded: &Camera, camera: &Camera, lens: Lens) -> bool {
-    let (rings, profile) = match lens {
-        Lens::Coded => (coded.rings.clone(), coded.profile.clone()),
-        Lens::Clear => (vec![], None),
-    };
     let expected = Camera {
         name: camera.name.clone(),
         source: camera.source.clone(),
         aperture_radius_mm: camera.aperture_radius_mm,
         focus_psi: camera.focus_psi,
         psi_range: camera.psi_range,
-        rings,
-        profile,
-        ..coded.clone()
+        ..lens.of(coded)
     };
     expected == *camera && camera.psi_range[0] == 0.0
 }

@@ -11,7 +11,7 @@ use edof_core::geometry::Window;
 use edof_core::{ColourFrame, Stride};
 use edof_network::Network;
 use edof_network::network::Condition;
-use edof_optics::statistics::Statistics;
+use edof_optics::Statistics;
 use std::ops::ControlFlow;
 
 fn estimator() -> crate::aperture::Plan {

@@ -1,0 +1,225 @@
+//! `edof optics advise`: the lens, stop and focus that a scene needs.
+
+use super::scene::{Scene, with_range};
+use crate::error::Error;
+use crate::files::Files;
+use crate::lens::DepthRange;
+use crate::ui::Ui;
+use edof_core::camera::Camera;
+use edof_core::noise::SensorNoise;
+use edof_core::words::number;
+use edof_io::picture;
+use edof_io::samples::Samples;
+use edof_optics::bound::advise::{Advice, Choice, Kind, NETWORK_ERROR_DB, RANKING_ERROR_DB, advise};
+use edof_optics::bound::lenses::Cubic;
+use edof_optics::bound::{Light, Reached};
+use edof_optics::depth::distance_m;
+use ndarray::Axis;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Advise a lens for a range of depths and a light: mask or none, stop, focus, and what every other choice costs
+///
+/// Compares the clear lens, the camera's own mask and masks of the cubic family, each at its best stop and focus, by the best linear estimate
+/// behind them, in equal light and time. States the dB to be expected of a trained network, and the most that any mask whatever could gain. A mask
+/// is advised only where it is ahead by more than the comparison can err. Writes the lens as a camera file, and prints the command that trains a network
+/// for it. Seconds, no training, no pictures.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  edof optics advise --range 0.4m:10m --aperture-mm 2 --electrons 3000
+  edof optics advise --range 8:0 --electrons 1000 --read-noise 2.5
+  edof optics advise mine.json --electrons 300 --read-noise 10 --out advised.json --json")]
+pub struct Args {
+    #[command(flatten)]
+    scene: Scene,
+
+    /// Range of depths: distances as in 0.4m:10m, or ψ at the open aperture as in 8:0 [default: the camera's]
+    #[arg(long, allow_hyphen_values = true, value_name = "NEAR:FAR")]
+    range: Option<DepthRange>,
+
+    /// Light: electrons of a white pixel behind the open aperture
+    #[arg(long, default_value_t = 10_000.0, value_name = "E")]
+    electrons: f64,
+
+    /// Camera file to write; a mask's surface is a PNG beside it
+    #[arg(long, value_name = "FILE", default_value = "out/advised.json")]
+    out: PathBuf,
+}
+
+#[derive(Serialize)]
+struct Advised<'a> {
+    psi_range: [f64; 2],
+    advised: Shown,
+    others: Vec<Shown>,
+    expected_error_db: f64,
+    cost_error_db: f64,
+    limit_db: f64,
+    any_mask_gains_at_most: Reached,
+    camera: &'a Camera,
+    train: String,
+}
+
+#[derive(Serialize)]
+struct Shown {
+    lens: Kind,
+    stops: f64,
+    f_number: f64,
+    focus_psi: f64,
+    focus_m: Option<f64>,
+    expected: Reached,
+    cost: Reached,
+}
+
+/// # Errors
+/// An unknown camera, numbers out of range, a range that is too wide at every stop, a file that cannot be written.
+pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let surface = args.out.with_extension("png");
+    let files = args.scene.reads(Files::new(ui)).writes("--out", &args.out);
+    files.writes("--out", &surface).check()?;
+    let open = with_range(&args.scene.camera(ui)?, args.range)?;
+    let light = args.scene.light(args.electrons)?;
+    let advice = advise(&open, light, &args.scene.statistics(ui)?)?;
+    let camera = written(&advice, &open, &args, &surface)?;
+    let train = train(&args.out, light, advice.advised.stops);
+    for line in lines(&advice, &open, light) {
+        ui.say(line)?;
+    }
+    ui.say(format!("The camera is in {}; a network for it:\n  {train}", args.out.display()))?;
+    let shown = |choice: &Choice| shown(&advice, choice, &open);
+    ui.json(&Advised {
+        psi_range: open.psi_range,
+        advised: shown(&advice.advised),
+        others: advice.others.iter().map(shown).collect(),
+        expected_error_db: NETWORK_ERROR_DB,
+        cost_error_db: RANKING_ERROR_DB,
+        limit_db: advice.ceiling.bayer_db,
+        any_mask_gains_at_most: advice.any_mask_gains(),
+        camera: &camera,
+        train,
+    })
+}
+
+/// Writes the advised lens as a camera file, with the surface of its mask beside it.
+fn written(advice: &Advice, open: &Camera, args: &Args, surface: &Path) -> Result<Camera, Error> {
+    let mut camera = advice.advised.camera.clone();
+    camera.name = args.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    camera.source = format!(
+        "edof optics advise: {} for psi {} to {} of the open aperture and {} electrons.",
+        name(advice.advised.kind, open),
+        number(open.psi_range[0]),
+        number(open.psi_range[1]),
+        number(args.electrons)
+    );
+    if let (Kind::Cubic(_), Some(map)) = (advice.advised.kind, &mut camera.height_map) {
+        map.file = surface.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if let Some(heights) = &map.heights {
+            let codes = heights.mapv(|v| (v * f32::from(u16::MAX)).round() as u16);
+            let planes = codes.insert_axis(Axis(0));
+            picture::save(surface, &Samples { planes, full_scale: u16::MAX })?;
+        }
+    }
+    edof_core::storage::atomic::write(&args.out, camera.to_json().as_bytes())?;
+    Ok(camera)
+}
+
+/// The command that trains a network for a camera and a light, from half to twice its gain.
+fn train(camera: &Path, light: Light, stops: f64) -> String {
+    let gain = SensorNoise::default().full_well_e / light.electrons * stops.exp2();
+    let digits = |gain: f64| number((gain * 1e3).round() / 1e3);
+    format!(
+        "edof train --form edof-t4w12 --camera {} --tone srgb --gain {}:{} --out network.safetensors",
+        camera.display(),
+        digits(0.5 * gain),
+        digits(2.0 * gain)
+    )
+}
+
+fn shown(advice: &Advice, choice: &Choice, open: &Camera) -> Shown {
+    Shown {
+        lens: choice.kind,
+        stops: choice.stops,
+        f_number: choice.camera.f_number(),
+        focus_psi: choice.focus_psi,
+        focus_m: focus_m(choice, open),
+        expected: choice.expected(),
+        cost: advice.cost(choice),
+    }
+}
+
+fn focus_m(choice: &Choice, open: &Camera) -> Option<f64> {
+    let metres = open.nominal_m.and_then(|nominal| distance_m(open, choice.focus_psi, nominal));
+    metres.filter(|metres| metres.is_finite())
+}
+
+/// The advice in words.
+fn lines(advice: &Advice, open: &Camera, light: Light) -> Vec<String> {
+    let Advice { advised, others, .. } = advice;
+    let [low, high] = open.psi_range;
+    let mut lines = vec![format!(
+        "{}, F/{:.1} when open, psi {} to {}, {} electrons of a white pixel, read noise {}:",
+        open.name,
+        open.f_number(),
+        number((10.0 * low).round() / 10.0),
+        number((10.0 * high).round() / 10.0),
+        number(light.electrons),
+        number(light.read_noise_e)
+    )];
+    let mask = match advised.kind {
+        Kind::Clear => "no mask".to_owned(),
+        kind => format!("use {}", name(kind, open)),
+    };
+    let stop = if advised.stops > 0.0 {
+        format!("close the lens by {}", stops(advised.stops))
+    } else {
+        "leave the lens open".to_owned()
+    };
+    let metres = focus_m(advised, open).map_or(String::new(), |m| format!(" at {m:.2} m,"));
+    lines.push(format!(
+        "Advice: {mask}; {stop} (F/{:.1}, an aperture of {:.2} mm); focus{metres} psi {:.1} of the open aperture.",
+        advised.camera.f_number(),
+        2.0 * advised.camera.aperture_radius_mm,
+        advised.focus_psi
+    ));
+    let Reached { average_db, worst_db } = advised.expected();
+    lines.push(format!(
+        "A trained network is expected to reach {average_db:.1} dB on average over the depths and {worst_db:.1} dB at the worst, each +/- {NETWORK_ERROR_DB} dB."
+    ));
+    lines.push(format!(
+        "Other choices cost (average / worst depth, +/- {RANKING_ERROR_DB} dB; below 0 they gain):"
+    ));
+    for other in others {
+        let Reached { average_db, worst_db } = advice.cost(other);
+        let open_or =
+            if other.stops > 0.0 { format!("closed by {}", stops(other.stops)) } else { "open".to_owned() };
+        lines.push(format!(
+            "  {average_db:+5.1} / {worst_db:+5.1} dB  {}, {open_or} (F/{:.1})",
+            name(other.kind, open),
+            other.camera.f_number()
+        ));
+    }
+    let Reached { average_db, worst_db } = advice.any_mask_gains();
+    lines.push(format!(
+        "The limit: even if each pixel's depth were known, no mask whatever gains more than {average_db:.1} dB on average or {worst_db:.1} dB at the worst depth over the best clear lens."
+    ));
+    lines
+}
+
+fn name(kind: Kind, open: &Camera) -> String {
+    match kind {
+        Kind::Clear => "no mask".to_owned(),
+        Kind::Own => format!("the mask of {}", open.name),
+        Kind::Cubic(Cubic { strength, mixed }) => format!(
+            "a cubic mask of {strength}(x^3 + y^3) + {mixed}(x^2 y + x y^2) rad at {} nm",
+            number(open.reference_wavelength_nm)
+        ),
+    }
+}
+
+fn stops(stops: f64) -> String {
+    match stops {
+        0.5 => "half a stop".to_owned(),
+        1.0 => "one stop".to_owned(),
+        stops => format!("{} stops", number(stops)),
+    }
+}

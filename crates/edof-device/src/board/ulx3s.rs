@@ -1,0 +1,90 @@
+//! The ULX3S: Lattice LFE5U-85F-6 and 32 MB of SDRAM ×16, for open tools. As yet a part to estimate designs for: it has neither video nor
+//! sources.
+//!
+//! Sources: FPGA-DS-02012 (cells, limits of the PLL), FPGA-TN-02200 (its dividers; feedback from the output), ULX3S manual (25 MHz, FT231X).
+
+use super::memory::Memory;
+use super::part::{BlockMemory, Multiplier, Part, ReadsTwice, Resources};
+use super::pll::Pll;
+use super::{Board, ClockMaker};
+
+/// The ULX3S.
+pub const ULX3S: Board = Board {
+    name: "ulx3s",
+    part: LFE5U_85F,
+    core_khz: 100_000,
+    clocks: ClockMaker { source_khz: 25_000, pll: EHXPLLL },
+    // Planned: bursts of 512 bytes take 256 cycles at 16 bits; four of them, refreshes, and as much again.
+    memory: Memory { burst_words: 32, ..Memory::of_port(128, 2_100) },
+    baud: 921_600,
+    video_in: None,
+    video_out: None,
+    shells: &[],
+};
+
+/// ECP5 85k, speed grade 6.
+const LFE5U_85F: Part = Part {
+    name: "LFE5U-85F",
+    multiplier: Multiplier { name: "MULT18X18D", value_bits: 18 },
+    memory: BlockMemory { name: "DP16KD", half: None, widest: (36, 512), reads_twice: ReadsTwice::Copies },
+    logic: ["LUT4", "FF"],
+    // Accumulators are outside of the multipliers, and LUTs have four inputs: within 5 % of the whole chains that Yosys 0.70 mapped.
+    logic_percent: [218, 144],
+    cells: Resources { multipliers: 156, memories: 208, half_memories: 0, luts: 83_640, registers: 83_640 },
+    columns: None,
+};
+
+/// EHXPLLL, its feedback from the output that makes the clock.
+const EHXPLLL: Pll = Pll {
+    name: "EHXPLLL",
+    oscillator_khz: 400_000..=800_000,
+    detector_khz: 3_125..=400_000,
+    output_khz: 3_125..=400_000,
+    divide: 1..=128,
+    multiply_eighths: 8..=8 * 80 * 128,
+    output_eighths: 8..=8 * 128,
+    step_eighths: 8,
+    feedback: Some(1..=80),
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::board::pll::Settings;
+
+    /// What Lattice's own tool chooses (Clarity Designer, as prjtrellis' `ecppll.cpp` records it): input and output in MHz, divisions of
+    /// input, feedback and output.
+    const CLARITY: [[u64; 5]; 13] = [
+        [12, 48, 1, 4, 12],
+        [12, 60, 1, 5, 10],
+        [20, 30, 2, 3, 20],
+        [45, 30, 3, 2, 20],
+        [100, 400, 1, 4, 1],
+        [200, 400, 1, 2, 2],
+        [50, 400, 1, 8, 2],
+        [70, 40, 7, 4, 15],
+        [12, 36, 1, 3, 18],
+        [12, 96, 1, 8, 6],
+        [90, 40, 9, 4, 15],
+        [90, 50, 9, 5, 13],
+        [43, 86, 1, 2, 7],
+    ];
+
+    #[test]
+    fn clocks_are_made_as_the_vendors_tool_makes_them() {
+        for [input, output, divide, feedback, division] in CLARITY {
+            let theirs =
+                Settings { divide, multiply_eighths: 8 * feedback * division, output_eighths: 8 * division };
+            assert!(EHXPLLL.is_legal(theirs, 1000 * input), "{theirs:?}");
+            let ours = EHXPLLL.make(1000 * input, 1000 * output).unwrap().settings;
+            let ratio =
+                |settings: Settings| (settings.divide, settings.multiply_eighths / settings.output_eighths);
+            assert_eq!(ratio(ours), ratio(theirs), "{input} MHz to {output} MHz");
+        }
+    }
+
+    #[test]
+    fn a_clock_that_needs_a_fraction_is_not_made() {
+        assert_eq!(EHXPLLL.make(25_000, 99_999), None);
+    }
+}

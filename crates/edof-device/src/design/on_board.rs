@@ -1,0 +1,181 @@
+//! A design on its board: the clocks that it needs there, and whether frames fit.
+
+use super::{Design, DesignError};
+use crate::board::{Board, MadeClock, VideoIn, VideoOut};
+use crate::video::VideoTiming;
+use edof_core::words::number;
+
+/// Sides below which a frame that is of no video mode is accepted, for simulation.
+pub const SIMULATED_SIDES: (usize, usize) = (640, 480);
+/// How far around a clock that cannot be made one is looked for that can, in kilohertz.
+const SEARCH_KHZ: u64 = 5_000;
+
+/// The clocks that a board's PLLs make for a design.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Clocks {
+    /// The calculator's: the design's `clock_mhz`.
+    pub calculator: MadeClock,
+    /// The screen's pixels, where the board has a video output.
+    pub screen: Option<MadeClock>,
+}
+
+impl Design {
+    /// Returns the clocks of the design on its board.
+    ///
+    /// # Errors
+    /// [`DesignError::Field`] for a calculator's clock that no PLL makes (it names the next ones that can be made), and for frames that no
+    /// video mode has.
+    pub fn clocks(&self) -> Result<Clocks, DesignError> {
+        let screen = |video: &VideoOut| self.screen_clock(video);
+        let calculator = self.calculator_clock()?;
+        Ok(Clocks { calculator, screen: self.board.video_out.as_ref().map(screen).transpose()? })
+    }
+
+    /// Returns the board's video input and output.
+    ///
+    /// # Errors
+    /// [`DesignError::Lacks`]: the board has none.
+    pub fn video(&self) -> Result<(&'static VideoIn, &'static VideoOut), DesignError> {
+        let board: &'static Board = self.board;
+        let lacks = |what: &str| DesignError::Lacks { board: board.name, what: what.into() };
+        let input = board.video_in.as_ref().ok_or_else(|| lacks("video input"))?;
+        Ok((input, board.video_out.as_ref().ok_or_else(|| lacks("video output"))?))
+    }
+
+    /// # Errors
+    /// [`DesignError::Field`] for a frame that the board's buffers cannot hold, or as [`Design::clocks`].
+    pub fn check_board(&self) -> Result<(), DesignError> {
+        let pixels = self.frame.width * self.frame.height;
+        let memory = &self.board.memory;
+        if !pixels.is_multiple_of(memory.word_pixels()) {
+            let word = memory.word_pixels();
+            return Err(
+                self.frame_error(format!("a multiple of {word} pixels, so that it is whole words of memory"))
+            );
+        }
+        if 2 * pixels > memory.buffer_bytes as usize {
+            let most = memory.buffer_bytes / 2;
+            return Err(self.frame_error(format!("at most {most} pixels, which a buffer holds")));
+        }
+        self.clocks().map(drop)
+    }
+
+    fn calculator_clock(&self) -> Result<MadeClock, DesignError> {
+        let khz = self.clock_mhz * 1e3;
+        let nearest = khz.round() as u64;
+        let make = |khz: u64| self.board.clock(khz);
+        let exact = if (khz - nearest as f64).abs() < 1e-6 { make(nearest) } else { None };
+        exact.ok_or_else(|| {
+            let below = (0..SEARCH_KHZ).find_map(|i| make(nearest.saturating_sub(i)));
+            let above = (1..SEARCH_KHZ).find_map(|i| make(nearest + i));
+            let named = [below, above].into_iter().flatten().map(|made| (made.khz as f64 / 1e3).to_string());
+            let named = named.collect::<Vec<_>>().join(" or ");
+            let clocks = &self.board.clocks;
+            let source = f64::from(clocks.source_khz) / 1e3;
+            DesignError::Field {
+                field: "clock_mhz".into(),
+                value: number(self.clock_mhz),
+                expected: format!(
+                    "a clock that an {} makes of {source} MHz, such as {named}",
+                    clocks.pll.name
+                ),
+            }
+        })
+    }
+
+    /// Returns the pixel clock of the screen, from the video mode of the frames.
+    fn screen_clock(&self, video: &VideoOut) -> Result<MadeClock, DesignError> {
+        let (columns, rows) = SIMULATED_SIDES;
+        let is_simulated = self.frame.width < columns && self.frame.height < rows;
+        let simulated = is_simulated.then_some(video.min_khz);
+        let mode = VideoTiming::mode(self.frame).filter(|mode| video.modes.contains(mode));
+        let khz = mode.map(|mode| mode.pixel_khz as u64).or(simulated);
+        khz.and_then(|khz| self.board.clock(khz)).ok_or_else(|| {
+            let mut sizes: Vec<String> = video.modes.iter().map(|mode| mode.size()).collect();
+            sizes.dedup();
+            let sizes = sizes.join(", ");
+            self.frame_error(format!(
+                "the size of a video mode ({sizes}), or below {columns}x{rows} for simulation"
+            ))
+        })
+    }
+
+    fn frame_error(&self, expected: String) -> DesignError {
+        let value = format!("{}x{}", self.frame.width, self.frame.height);
+        DesignError::Field { field: "frame".into(), value, expected }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::board::KC705;
+
+    fn design(clock_mhz: f64, width: usize, height: usize) -> Design {
+        let mut design = Design::from_json(include_str!("../../../../designs/kc705.json")).unwrap();
+        design.clock_mhz = clock_mhz;
+        (design.frame.width, design.frame.height) = (width, height);
+        design
+    }
+
+    fn is_legal(made: MadeClock) -> bool {
+        KC705.clocks.pll.is_legal(made.settings, KC705.clocks.source_khz.into())
+    }
+
+    #[test]
+    fn every_video_mode_has_a_pixel_clock_that_its_board_makes() {
+        for mode in VideoTiming::MODES {
+            let made = KC705.clock(mode.pixel_khz as u64).unwrap();
+            assert!(is_legal(made), "{made:?}");
+        }
+        assert_eq!(design(150.0, 1280, 720).clocks().unwrap().screen.unwrap().khz, 74_250);
+    }
+
+    #[test]
+    fn clocks_and_frames_that_no_board_has_are_rejected_in_words() {
+        for (design, words) in [
+            (
+                design(200.0, 1366, 768),
+                "frame 1366x768: must be the size of a video mode (1280x720, 1920x1080), or below",
+            ),
+            (
+                design(199.999, 1280, 720),
+                "clock_mhz 199.999: must be a clock that an MMCM makes of 200 MHz, such as 199.6 or 200",
+            ),
+            (design(2.0, 1280, 720), "clock_mhz 2: must be a clock that an MMCM makes of 200 MHz, such as "),
+        ] {
+            let error = design.clocks().unwrap_err().to_string();
+            assert!(error.starts_with(words), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_frame_is_no_larger_than_its_buffer() {
+        let error = design(200.0, 2048, 1032).check_board().unwrap_err().to_string();
+        assert_eq!(error, "frame 2048x1032: must be at most 2097152 pixels, which a buffer holds");
+    }
+
+    #[test]
+    fn calculators_run_at_their_designs_clock() {
+        for mhz in [5.0, 100.0, 125.0, 150.0, 200.0, 212.5, 215.0, 220.0, 333.0] {
+            let made = design(mhz, 1920, 1080).clocks().unwrap().calculator;
+            assert_eq!(made.khz as f64, mhz * 1e3);
+            assert!(is_legal(made), "{made:?}");
+        }
+    }
+
+    #[test]
+    fn a_design_names_its_board_and_the_first_board_needs_no_name() {
+        let text = include_str!("../../../../designs/kc705.json");
+        let design = Design::from_json(text).unwrap();
+        assert_eq!(design.board, &KC705);
+        assert!(!serde_json::to_string(&design).unwrap().contains("board"));
+        let with = |board: &str| text.replacen('{', &format!("{{ \"board\": \"{board}\","), 1);
+        assert_eq!(Design::from_json(&with("kc705")).unwrap(), design);
+        let error = Design::from_json(&with("kc706")).unwrap_err().to_string();
+        assert!(
+            error.starts_with("design: not a design: board 'kc706' is unknown, expected kc705"),
+            "{error}"
+        );
+    }
+}

@@ -1,0 +1,70 @@
+//! Headerless raw files: words, bytes or packed pixels, as [`crate::packing`] has them.
+
+use crate::packing::{Packing, Stray};
+use crate::raw::error::RawError;
+use crate::raw::format::{RawFormat, Read, Recognised, Values, Write};
+use crate::raw::options::{Alignment, RawOptions, Size};
+use crate::raw::source::Source;
+use ndarray::Array2;
+use std::path::Path;
+
+/// Pixels alone. Little-endian words with values at the bottom are written.
+pub const HEADERLESS: RawFormat = RawFormat {
+    name: "headerless",
+    noun: "pixels without a header",
+    endings: &["raw", "bin"],
+    recognise: |_| Recognised::No,
+    read: Read::Headerless(values),
+    write: Some(Write {
+        alignment: Alignment::Bottom,
+        note: "without a header",
+        encode: |frame, _| Ok(frame.values().iter().flat_map(|v| v.to_le_bytes()).collect()),
+    }),
+};
+
+fn values(source: Source<'_>, size: Size, options: &RawOptions) -> Result<Values, RawError> {
+    let (path, packing) = (source.path, options.packing);
+    let depth = depth(options, path)?;
+    let wrong_length = |found| wrong_length(size, packing, found, path);
+    let bytes = source.exactly(size.bytes(packing) as u64, wrong_length)?;
+    let stray = |Stray { pixel, code }| RawError::Code {
+        path: path.to_owned(),
+        row: pixel / size.width,
+        column: pixel % size.width,
+        code,
+    };
+    let pixels = packing.values(&bytes, options.order).map_err(stray)?;
+    let words = Array2::from_shape_vec((size.height, size.width), pixels)
+        .map_err(|_| wrong_length(Some(bytes.len() as u64)))?;
+    let alignment = if packing == Packing::Video { Alignment::Top } else { Alignment::Bottom };
+    Ok(Values { words, depth, alignment })
+}
+
+/// Returns the bits of the pixels.
+fn depth(options: &RawOptions, path: &Path) -> Result<u32, RawError> {
+    let found = options.packing.bits();
+    match options.depth {
+        None => Ok(found),
+        Some(depth) if options.packing.is_words() || depth == found => Ok(depth),
+        Some(depth) => {
+            Err(RawError::Depth { path: path.to_owned(), found, expected: format!("{depth} bits as stated") })
+        }
+    }
+}
+
+/// Returns the error for a file of `found` bytes, where that is known.
+fn wrong_length(size: Size, packing: Packing, found: Option<u64>, path: &Path) -> RawError {
+    let fitting = |other: &Packing| *other != packing && Some(size.bytes(*other) as u64) == found;
+    let names: Vec<&str> = Packing::ALL.iter().filter(|p| fitting(p)).map(|p| p.name()).collect();
+    RawError::Size {
+        path: path.to_owned(),
+        found: found.map_or("more bytes".to_owned(), |found| format!("{found} bytes")),
+        expected: size.bytes(packing).to_string(),
+        size,
+        hint: if names.is_empty() {
+            String::new()
+        } else {
+            format!("; as many as packed as {}", names.join(" or "))
+        },
+    }
+}

@@ -1,0 +1,154 @@
+//! A raw frame as light, with what its record, its file and the user state of it.
+
+use crate::job::{FrameNote, JobError};
+use edof_core::camera::Camera;
+use edof_core::storage::provenance::Input;
+use edof_core::{RawFrame, Tone};
+use edof_io::dng::{Finish, Overrides};
+use edof_io::levels::Levels;
+use edof_io::raw::{self, RawFormat, RawOptions};
+use edof_io::read_warnings::{ReadWarning, read_warnings};
+use edof_io::record::{self, Field, RawRecord, Sidecar, Stated};
+use edof_io::rendering::Rendering;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+/// A raw frame in a file, and what a user states of it.
+#[derive(Debug, Clone)]
+pub struct FrameSource {
+    /// The file.
+    pub path: PathBuf,
+    /// What is stated of the frame; the record beside it must agree.
+    pub stated: Stated,
+    /// How the file is read where no record states it.
+    pub options: RawOptions,
+    /// White balance and colour matrix in place of those of the record and the file.
+    pub rendering: Rendering,
+    /// Whether what is stated takes the place of what the record states.
+    pub overrules_record: bool,
+}
+
+/// A frame as the network is to see it, and what is known of it.
+pub(super) struct Taken {
+    pub(super) frame: RawFrame,
+    /// What its words stand for.
+    pub(super) values: Tone,
+    pub(super) record: Option<RawRecord>,
+    /// The camera that took it, if it is known.
+    pub(super) camera: Option<Camera>,
+    pub(super) rendering: Rendering,
+    /// What its file asks to be done with the picture.
+    pub(super) finish: Finish,
+    /// The frame as an input of results.
+    pub(super) input: Input,
+}
+
+impl Taken {
+    /// Returns the frame in values of a network.
+    pub(super) fn in_values(&self, values: Tone) -> Cow<'_, RawFrame> {
+        match (self.values, values) {
+            (Tone::Linear, to) => self.frame.encoded(to),
+            (from, Tone::Linear) => self.frame.decoded(from),
+            _ => Cow::Borrowed(&self.frame),
+        }
+    }
+}
+
+impl FrameSource {
+    /// Returns the frame as light, and its record if there is one.
+    pub(super) fn open(&self, note: &dyn Fn(FrameNote)) -> Result<Taken, JobError> {
+        let path = &self.path;
+        let found = match record::load(path)? {
+            Sidecar::Record(record) => Some(*record),
+            Sidecar::Foreign(path) => {
+                note(FrameNote::ForeignRecord { path });
+                None
+            }
+            Sidecar::Absent => None,
+        };
+        let is_overruled = found.as_ref().map_or(Ok(false), |record| self.overrules(record, note))?;
+        let record = found.map(|record| record.with(self.stated.clone()));
+        let options = record.as_ref().map_or(self.options, |record| record.options(self.options));
+        let overrides = self.overrides(record.as_ref());
+        let opened = raw::open(path, &options, &overrides)?;
+        self.check_effect(opened.format)?;
+        for text in opened.notes {
+            note(FrameNote::RawFile { path: path.clone(), text });
+        }
+        let frame = opened.frame;
+        if let Some(record) = record.as_ref().filter(|_| !is_overruled) {
+            record.check(path, &frame)?;
+        }
+        let input = Input::raw_frame(&path.file_name().unwrap_or_default().to_string_lossy(), &frame);
+        let frame = if opened.format.states_everything() {
+            // Levels are those of the file already, or the stated ones.
+            frame
+        } else {
+            Levels { black: overrides.black.unwrap_or_default(), white: overrides.white }.light(&frame)?
+        };
+        Ok(Taken {
+            frame,
+            values: record.as_ref().map_or(Tone::Linear, |record| record.values),
+            camera: record.as_ref().map(|record| &record.camera).or(self.stated.camera.as_ref()).cloned(),
+            rendering: Rendering {
+                white_balance: overrides.white_balance.or(opened.rendering.white_balance),
+                matrix: overrides.matrix.or(opened.rendering.matrix),
+            },
+            record,
+            finish: opened.finish,
+            input,
+        })
+    }
+
+    /// Returns what takes the place of a camera's file: the record beside it, else what is stated.
+    fn overrides(&self, record: Option<&RawRecord>) -> Overrides {
+        let own = record.map(RawRecord::rendering).unwrap_or_default();
+        Overrides {
+            phase: record.map(|record| record.phase).or(self.stated.phase),
+            black: record.map(|record| record.black_level).or(self.stated.black_level),
+            white: record.map_or(self.stated.white_level, |record| record.white_level),
+            white_balance: self.rendering.white_balance.or(own.white_balance),
+            matrix: self.rendering.matrix.or(own.matrix),
+        }
+    }
+
+    /// Rejects what only files without a description of their values need, beside a camera's file.
+    fn check_effect(&self, format: &'static RawFormat) -> Result<(), JobError> {
+        let given = [
+            (Field::Size, self.options.size.is_some()),
+            (Field::BitDepth, self.options.depth.is_some()),
+            (Field::Alignment, self.options.alignment.is_some()),
+            (Field::Packing, self.options.packing != Default::default()),
+        ];
+        match given.into_iter().find(|(_, is_given)| *is_given && format.states_everything()) {
+            Some((field, _)) => {
+                Err(JobError::StatedByFile { path: self.path.clone(), field, format: format.noun })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Returns whether what is stated takes the place of what the record states.
+    fn overrules(&self, record: &RawRecord, note: &dyn Fn(FrameNote)) -> Result<bool, JobError> {
+        let found = record.contradictions(&self.path, &self.stated);
+        let any = !found.is_empty();
+        for contradiction in found {
+            if !self.overrules_record {
+                return Err(JobError::Contradicted(contradiction));
+            }
+            note(FrameNote::Overruled(contradiction));
+        }
+        Ok(any)
+    }
+}
+
+/// Remarks on a frame without a record that was perhaps read otherwise than it was taken.
+pub(super) fn remark(path: &Path, frame: &RawFrame, note: &dyn Fn(FrameNote)) {
+    let path = path.to_owned();
+    for warning in read_warnings(frame) {
+        note(match warning {
+            ReadWarning::Dim(brightest) => FrameNote::Dim { path: path.clone(), brightest },
+            ReadWarning::Phase => FrameNote::OtherPhase { path: path.clone(), phase: frame.phase() },
+        });
+    }
+}

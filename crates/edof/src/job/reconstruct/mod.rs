@@ -1,0 +1,271 @@
+//! From a raw frame in a file to a picture in a file.
+
+mod frame;
+mod suits;
+
+pub use frame::FrameSource;
+
+use super::device::Device;
+use super::npz::Npz;
+use super::{FrameNote, JobError};
+use crate::presets::weights;
+use edof_core::overlap::Overlap;
+use edof_core::reconstructor::Multiplications;
+use edof_core::storage::atomic;
+use edof_core::storage::provenance::Input;
+use edof_core::{ColourFrame, DisplayMode, Frame422, Reconstructor, Stride, Tone, cable};
+use edof_golden::words::Boundary;
+use edof_golden::{Counts, Curve, Display, DisplayCounts, Golden, Picture};
+use edof_gpu::{GpuFloat, GpuGolden};
+use edof_io::photo;
+use edof_network::FixedNetwork;
+use edof_network::float::reconstruct::{FloatReconstructor, Output};
+use frame::Taken;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// A reconstruction: which frame, by which network, and which files are written.
+#[derive(Debug, Clone)]
+pub struct ReconstructJob {
+    /// The raw frame.
+    pub source: FrameSource,
+    /// Name or file of the network; by default the one for the frame's tone and noise.
+    pub network: Option<String>,
+    /// Whether a network that was trained for another lens is used.
+    pub accepts_any_lens: bool,
+    /// How the network is computed.
+    pub engine: Engine,
+    /// What computes it.
+    pub device: Device,
+    /// Transfer curve of the picture and of the board's tables; by default that of the tone.
+    pub curve: Option<Curve>,
+    /// Bits per sample of the picture, 8 or 16.
+    pub bits: u32,
+    /// The picture.
+    pub out: PathBuf,
+}
+
+/// How a network is computed.
+#[derive(Debug, Clone)]
+pub enum Engine {
+    /// In floating point, at a stride.
+    Float(Stride),
+    /// In the board's integers.
+    Fixed(FixedOptions),
+}
+
+/// What the board's integers are computed for.
+#[derive(Debug, Clone, Default)]
+pub struct FixedOptions {
+    /// Stride that the network must have been quantized for.
+    pub stride: Option<Stride>,
+    /// Encoding of the board's codes.
+    pub display: DisplayMode,
+    /// File of the codes of the HDMI port; the picture is then what a screen shows of them.
+    pub codes: Option<PathBuf>,
+    /// Folder for the words at every stage boundary ([`words_file`]).
+    pub words: Option<PathBuf>,
+}
+
+/// A picture that has been written.
+#[derive(Debug, Clone)]
+pub struct Reconstructed {
+    /// The network and how it was computed.
+    pub method: String,
+    /// Rows and columns of the picture.
+    pub size: (usize, usize),
+    /// Tone of the picture.
+    pub tone: Tone,
+    /// Seconds of the network.
+    pub seconds: f64,
+    /// Multiplications, where they are counted.
+    pub multiplications: Option<Multiplications>,
+    /// Counters of integers, and what the display clamped.
+    pub counts: Option<(Counts, DisplayCounts)>,
+    /// What was read.
+    pub inputs: Vec<Input>,
+}
+
+/// Returns what was computed, and in how many seconds.
+fn timed<T, E>(compute: impl FnOnce() -> Result<T, E>) -> Result<(T, f64), E> {
+    let start = Instant::now();
+    compute().map(|made| (made, start.elapsed().as_secs_f64()))
+}
+
+impl ReconstructJob {
+    /// Reads the frame alone; returns it as an input of results. For anybody with many frames, before the first is computed.
+    ///
+    /// # Errors
+    /// A frame that cannot be used.
+    pub fn check(&self, note: &dyn Fn(FrameNote)) -> Result<Input, JobError> {
+        Ok(self.source.open(note)?.input)
+    }
+
+    /// Reads the frame, computes the picture and writes the files.
+    ///
+    /// # Errors
+    /// A frame or a network that cannot be used or do not fit each other, a file that cannot be written.
+    pub fn run(&self, note: &dyn Fn(FrameNote)) -> Result<Reconstructed, JobError> {
+        let taken = self.source.open(note)?;
+        if taken.record.is_none() {
+            frame::remark(&self.source.path, &taken.frame, note);
+        }
+        match &self.engine {
+            Engine::Float(stride) => self.float(taken, *stride, note),
+            Engine::Fixed(options) => self.fixed(taken, options, note),
+        }
+    }
+
+    /// Returns the network's name or file: the one asked for, else the one for this tone and for the noise that the frame's record states.
+    fn network<'a>(&'a self, taken: &Taken) -> &'a str {
+        let tone = self.tone(taken);
+        let usual = weights::default_for(tone);
+        let fitting = |record: &edof_io::record::RawRecord| weights::for_noise(usual, tone, record.noise);
+        self.network.as_deref().unwrap_or_else(|| taken.record.as_ref().map_or(usual, fitting))
+    }
+
+    /// Returns the stated tone, else that of the record, else the one that suits a sensor's light.
+    fn tone(&self, taken: &Taken) -> Tone {
+        self.source.stated.tone.or(taken.record.as_ref().map(|record| record.tone)).unwrap_or(Tone::Srgb)
+    }
+
+    fn curve(&self, tone: Tone) -> Curve {
+        self.curve.unwrap_or(match tone {
+            Tone::Linear => Curve::Linear,
+            Tone::Srgb => Curve::Srgb,
+        })
+    }
+
+    fn float(
+        &self,
+        taken: Taken,
+        stride: Stride,
+        note: &dyn Fn(FrameNote),
+    ) -> Result<Reconstructed, JobError> {
+        let name = self.network(&taken);
+        let network = weights::float(name)?;
+        let input = weights::float_input(name)?;
+        self.check_suits(&network.origin, &taken, note)?;
+        let method: Box<dyn Reconstructor> = match self.device.open()? {
+            None => Box::new(FloatReconstructor::new(network, stride, Overlap::Hann, Output::Rgb)?),
+            Some(device) => Box::new(GpuFloat::new(device, network, stride, Overlap::Hann)?),
+        };
+        let result = method.reconstruct(&taken.in_values(Tone::Linear)).map_err(|e| self.failed(e))?;
+        Ok(Reconstructed {
+            method: method.name().to_owned(),
+            size: self.save(result.frame, &taken)?,
+            tone: self.tone(&taken),
+            seconds: result.seconds,
+            multiplications: result.multiplications,
+            counts: None,
+            inputs: vec![taken.input, input],
+        })
+    }
+
+    fn fixed(
+        &self,
+        taken: Taken,
+        options: &FixedOptions,
+        note: &dyn Fn(FrameNote),
+    ) -> Result<Reconstructed, JobError> {
+        let (network, input) = self.fixed_network(&taken, options.stride, note)?;
+        let mut method = format!("{}.fixed", network.origin.name);
+        let values = network.origin.values;
+        let (golden, raw) = (Golden::new(network)?, taken.in_values(values));
+        // To the board leads a cable.
+        let raw = if options.codes.is_some() { Cow::Owned(cable::carried(&raw)) } else { raw };
+        let (out, seconds) = match self.device.open()? {
+            None => timed(|| golden.frame(&raw)).map_err(|e| self.failed(e))?,
+            Some(device) => {
+                method += ".gpu";
+                let gpu = GpuGolden::new(device, golden.network().clone(), &method)?;
+                timed(|| gpu.frame(&raw)).map_err(|e| self.failed(e))?
+            }
+        };
+        let curve = self.curve(self.tone(&taken));
+        let (picture, shown) = out.picture(&Display::of_values(values, options.display, curve));
+        let size = if let Some(codes) = &options.codes {
+            if !taken.finish.is_identity() {
+                note(FrameNote::NotFinished { path: self.source.path.clone() });
+            }
+            photo::save(&self.out, &picture.shown_frame(), self.bits)?;
+            atomic::write(codes, &picture.yuyv())?;
+            taken.frame.size()
+        } else {
+            let mut light = out.colour();
+            values.lighten(&mut light);
+            self.save(light, &taken)?
+        };
+        if let Some(folder) = &options.words {
+            save_words(folder, &golden.words(&raw).map_err(|e| self.failed(e))?, &out.frame, &picture)?;
+        }
+        Ok(Reconstructed {
+            method,
+            size,
+            tone: self.tone(&taken),
+            seconds,
+            multiplications: Some(out.counts.multiplications(golden.network())),
+            counts: Some((out.counts, shown)),
+            inputs: vec![taken.input, input],
+        })
+    }
+
+    fn fixed_network(
+        &self,
+        taken: &Taken,
+        asked: Option<Stride>,
+        note: &dyn Fn(FrameNote),
+    ) -> Result<(FixedNetwork, Input), JobError> {
+        let name = self.network(taken);
+        let network = weights::fixed(name)?;
+        let input = weights::fixed_input(name)?;
+        self.check_suits(&network.origin, taken, note)?;
+        match asked.filter(|stride| *stride != network.stride) {
+            Some(asked) => {
+                Err(JobError::OtherStride { network: name.to_owned(), asked, quantized: network.stride })
+            }
+            None => Ok((network, input)),
+        }
+    }
+
+    /// Writes a picture of the network's light; returns its rows and columns.
+    fn save(&self, mut light: ColourFrame, taken: &Taken) -> Result<(usize, usize), JobError> {
+        taken.finish.correct(&mut light);
+        taken.rendering.apply(&mut light);
+        let picture = self.curve(self.tone(taken)).encoded(taken.finish.frame(light));
+        photo::save(&self.out, &picture, self.bits)?;
+        Ok(picture.size())
+    }
+
+    /// Names the raw frame's file in an error.
+    fn failed(&self, error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> JobError {
+        JobError::in_file(&self.source.path, error)
+    }
+}
+
+/// Returns the file of words in a folder.
+#[must_use]
+pub fn words_file(folder: &Path) -> PathBuf {
+    folder.join("words.npz")
+}
+
+/// Writes the words at every stage boundary; docs/contract.md states the layout in section 8.
+fn save_words(
+    folder: &Path,
+    boundaries: &[Boundary],
+    frame: &Frame422,
+    codes: &Picture,
+) -> Result<(), JobError> {
+    let mut npz = Npz::new();
+    for boundary in boundaries {
+        npz.add(&boundary.name, &boundary.words)?;
+    }
+    npz.add("luma", &frame.luma)?;
+    npz.add("cb", &frame.chroma[0])?;
+    npz.add("cr", &frame.chroma[1])?;
+    npz.add("y_code", &codes.luma)?;
+    npz.add("cb_code", &codes.chroma[0])?;
+    npz.add("cr_code", &codes.chroma[1])?;
+    npz.save(&words_file(folder))
+}

@@ -1,0 +1,77 @@
+//! Whether a network suits a frame: its lens, its tone, its noise.
+
+use super::ReconstructJob;
+use super::frame::Taken;
+use crate::job::note::OtherLens;
+use crate::job::{FrameNote, JobError};
+use crate::presets::weights;
+use edof_network::Fit;
+use edof_network::network::Origin;
+
+impl ReconstructJob {
+    /// Rejects a network for another lens; remarks where it was trained for another tone or noise.
+    pub(super) fn check_suits(
+        &self,
+        origin: &Origin,
+        taken: &Taken,
+        note: &dyn Fn(FrameNote),
+    ) -> Result<(), JobError> {
+        self.check_lens(origin, taken, note)?;
+        self.remark_on_tone(origin, taken, note);
+        self.remark_on_noise(origin, taken, note);
+        Ok(())
+    }
+
+    /// The network must have been trained for the lens that took the frame, as its record or the user states.
+    fn check_lens(&self, origin: &Origin, taken: &Taken, note: &dyn Fn(FrameNote)) -> Result<(), JobError> {
+        let Some(camera) = taken.camera.as_ref().filter(|camera| !origin.camera.same_lens(camera)) else {
+            return Ok(());
+        };
+        let other = Box::new(OtherLens {
+            path: self.source.path.clone(),
+            network: self.network(taken).to_owned(),
+            trained: origin.camera.clone(),
+            camera: camera.clone(),
+            is_recorded: taken.record.is_some(),
+            tone: self.tone(taken),
+        });
+        if !self.accepts_any_lens {
+            return Err(JobError::OtherLens(other));
+        }
+        note(FrameNote::OtherLens(other));
+        Ok(())
+    }
+
+    fn remark_on_tone(&self, origin: &Origin, taken: &Taken, note: &dyn Fn(FrameNote)) {
+        let tone = self.tone(taken);
+        let is_known = taken.record.is_some() || self.source.stated.tone.is_some();
+        let Some(trained) = origin.conditions.first().map(|condition| condition.tone) else { return };
+        if !is_known || origin.conditions.iter().any(|condition| condition.tone == tone) {
+            return;
+        }
+        note(FrameNote::OtherTone {
+            path: self.source.path.clone(),
+            network: self.network(taken).to_owned(),
+            camera: Box::new(origin.camera.clone()),
+            trained,
+            tone,
+        });
+    }
+
+    /// Remarks on noise, as the frame's record states it, outside of the range that the network was trained for.
+    fn remark_on_noise(&self, origin: &Origin, taken: &Taken, note: &dyn Fn(FrameNote)) {
+        let (name, tone) = (self.network(taken), self.tone(taken));
+        let Some(noise) = taken.record.as_ref().map(|record| record.noise) else { return };
+        if origin.fit(tone, noise).is_none_or(Fit::is_inside) {
+            return;
+        }
+        let better = weights::for_noise(name, tone, noise);
+        note(FrameNote::OtherNoise {
+            path: self.source.path.clone(),
+            network: name.to_owned(),
+            trained: origin.conditions.iter().filter(|condition| condition.tone == tone).cloned().collect(),
+            noise,
+            better: (better != name).then(|| better.to_owned()),
+        });
+    }
+}

@@ -1,0 +1,93 @@
+//! `edof optics bound` and `edof optics advise` by the real binary.
+
+use crate::support::Place;
+use edof_core::camera::Camera;
+use serde_json::Value;
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+#[test]
+fn bound_states_limit_and_lenses_and_draws_both_figures() {
+    let place = Place::new();
+    let line = "optics bound ring-outer --range 8:0 --electrons 1000 --out figures --markdown pages/bound.md --report r.html --json";
+    let told = json(&place.edof(line).done().out);
+    let row = &told["rows"][0];
+    let (clear, limit) = (&row["clear"]["known"], number(&row["ceiling"]["bayer_db"]));
+    assert!((number(&clear["average_db"]) - 30.52).abs() < 0.1 && (limit - 31.2).abs() < 0.1, "{row}");
+    assert!(number(&row["ceiling"]["planes_db"]) > limit, "three planes know more");
+    assert!(number(&row["lens"]["known"]["average_db"]) < number(&clear["average_db"]));
+    let page = std::fs::read_to_string(place.path("pages/bound.md")).unwrap();
+    assert!(
+        page.contains("](../figures/frequency.svg)") && page.contains("**Verdict.** ψ 0 to 8: any mask"),
+        "{page}"
+    );
+    for file in ["figures/frequency.svg", "figures/light.svg", "r.html"] {
+        assert!(std::fs::read_to_string(place.path(file)).unwrap().contains("no lens passes"), "{file}");
+    }
+}
+
+#[test]
+fn advise_needs_no_mask_for_a_narrow_range_in_little_light_and_writes_the_lens() {
+    let place = Place::new();
+    let run = place.edof("optics advise ring-outer --range 8:0 --electrons 1000 --out lens.json").done();
+    for words in
+        ["Advice: no mask; leave the lens open", "the mask of ring-outer", "a cubic mask of", "The limit:"]
+    {
+        assert!(run.out.contains(words), "{words} in {}", run.out);
+    }
+    assert!(
+        run.out.contains("edof train --form edof-t4w12 --camera lens.json --tone srgb --gain 5:20"),
+        "{}",
+        run.out
+    );
+    let camera = Camera::resolve(place.path("lens.json").to_str().unwrap()).unwrap();
+    assert!(!camera.has_mask() && camera.focus_psi == 4.0 && camera.name == "lens");
+    place.photo("photo.png", 64, 48);
+    place.edof("capture photo.png --camera lens.json --psi 1 --no-measure --out raw.png").done();
+}
+
+#[test]
+fn advise_takes_metres_and_closes_the_lens_where_the_range_is_wide() {
+    let place = Place::new();
+    let line =
+        "optics advise clear --range 0.4m:10m --aperture-mm 2 --electrons 10000 --out lens.json --json";
+    let told = json(&place.edof(line).done().out);
+    let (advised, [low, high]) = (&told["advised"], [0, 1].map(|i| number(&told["psi_range"][i])));
+    // psi = (pi R^2/lambda)(1/z - 1/z_0), R = 1 mm, 460 nm, 0.4 m and 10 m.
+    assert!(low.abs() < 1e-9 && (high - 16.39).abs() < 0.01, "{low} {high}");
+    assert!(number(&advised["stops"]) >= 0.5, "{advised}");
+    let focus = number(&advised["focus_m"]);
+    assert!((0.4..10.0).contains(&focus), "{focus}");
+    let camera = Camera::resolve(place.path("lens.json").to_str().unwrap()).unwrap();
+    let closed = (-number(&advised["stops"])).exp2();
+    assert!((camera.psi_range[1] - high * closed).abs() < 1e-6 && camera.nominal_m == Some(10.0));
+    let costs = told["others"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|other| number(&other["cost"]["average_db"]) + number(&other["cost"]["worst_db"]));
+    assert!(costs.clone().all(|cost| cost > -0.6) && costs.is_sorted(), "{told}");
+}
+
+#[test]
+fn scenes_that_cannot_be_judged_are_rejected_in_one_line() {
+    let place = Place::new();
+    for (line, words) in [
+        ("optics advise --electrons 0", ["--electrons 0", "must be from 1 to"]),
+        ("optics advise --range 4:4", ["--range 4:4", "has no width"]),
+        ("optics advise --range 1m:2", ["--range 1m:2", "--nominal"]),
+        ("optics advise --range 5000:0", ["range of psi 5000", "wider than 48 at every stop"]),
+        ("optics bound --wavelengths 610,460", ["--wavelengths", "expected three"]),
+        ("optics bound --aperture-mm 0", ["--aperture-mm 0", "must be from"]),
+        ("optics bound --mean-light 2", ["--mean-light 2", "must be from 0 to 1"]),
+    ] {
+        place.edof(&format!("{line} --out there")).refused(&words);
+        assert!(!place.path("there").exists(), "{line}");
+    }
+}
