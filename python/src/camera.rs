@@ -119,8 +119,7 @@ impl PyCamera {
 
     fn with_mask(&self, terms: &Bound<'_, PyAny>) -> PyResult<Self> {
         let text: String = terms.py().import("json")?.call_method1("dumps", (terms,))?.extract()?;
-        let terms: Vec<Term> =
-            json::parse(&text).map_err(|e| failed(format!("terms: {}", json::reason(&e))))?;
+        let terms: Vec<Term> = json::parse(&text).map_err(|e| failed(format!("terms {e}")))?;
         let mut camera = Camera { mask: terms.into_iter().collect(), ..(*self.0).clone() };
         lens::read_mask(&mut camera, Path::new("")).or_raise()?;
         Self::checked(camera)

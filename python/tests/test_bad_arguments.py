@@ -124,7 +124,7 @@ def cases() -> list[Case]:
         ("with_height_map high", lambda: CAMERA.with_height_map(np.ones((8, 8), np.float32), white_um=1e9, cauchy=(1.5, 0.0)), ERROR, "height"),
         ("with_aberrations index", lambda: CAMERA.with_aberrations({0: 10.0}), ERROR, "aberrations"),
         ("with_aberrations NaN", lambda: CAMERA.with_aberrations({5: float("nan")}), ERROR, "aberrations"),
-        ("with_mask kind", lambda: CAMERA.with_mask([{"cubic": {}}]), ERROR, "terms: unknown value `cubic`, expected one of `ring`"),
+        ("with_mask kind", lambda: CAMERA.with_mask([{"cubic": {}}]), ERROR, "unknown value `cubic`, expected one of `ring`"),
         ("with_mask ring", lambda: CAMERA.with_mask([{"ring": {"inner": 0.9, "outer": 0.5, "delay": {"phase": {"rad": 1, "at_nm": 500}}}}]), ERROR, "rings is 0.9 to 0.5"),
         ("with_mask object", lambda: CAMERA.with_mask([object()]), TypeError, "JSON"),  # type: ignore[list-item]
         ("psi_at 0 m", lambda: CAMERA.psi_at(0.0, nominal_m=10.0), ERROR, "metres 0: must be more than 0"),

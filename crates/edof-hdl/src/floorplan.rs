@@ -24,21 +24,6 @@ struct Block {
     rows: usize,
 }
 
-impl Block {
-    const fn dsp_places(&self, columns: Columns) -> usize {
-        self.rows * columns.multipliers.0
-    }
-
-    const fn ram_places(&self, columns: Columns) -> usize {
-        self.rows / 2 * whole_columns(columns)
-    }
-}
-
-/// Columns of block memories without gaps: the last one has some and is not counted on.
-const fn whole_columns(columns: Columns) -> usize {
-    columns.memories - 1
-}
-
 /// The blocks of a design whose calculator is inside of the instance `instance`; none if its multipliers are more than the part's.
 fn blocks_of(design: &Design, columns: Columns, instance: &str) -> Vec<Block> {
     let (dsp_columns, dsp_rows) = columns.multipliers;
@@ -47,13 +32,13 @@ fn blocks_of(design: &Design, columns: Columns, instance: &str) -> Vec<Block> {
         let rams = bank_memories(&design.board.part, &plan).memories;
         for group in (0..plan.groups()).rev() {
             let banks = GROUP_BANKS * group..plan.banks().min(GROUP_BANKS * (group + 1));
-            let within = format!("{instance}/{}/multipliers", stage.path);
+            let within = format!("{instance}/{}/macc", stage.path);
             let lanes: Vec<String> =
                 banks.clone().map(|bank| format!("{within}/banks[{bank}].lanes")).collect();
             let dsps = plan.dsps() / plan.banks() * banks.len();
             let rams = rams * banks.len();
             let rows = (100 * dsps).div_ceil(MAX_FILL * dsp_columns);
-            let of_rams = 2 * (100 * rams).div_ceil(MAX_FILL * whole_columns(columns));
+            let of_rams = 2 * (100 * rams).div_ceil(MAX_FILL * columns.full_memories());
             blocks.push(Block {
                 name: format!("stage_{}_group_{group}", plan.index),
                 cells: format!("{within}/groups[{group}].* {}", lanes.join(" ")),
@@ -79,7 +64,7 @@ fn blocks_of(design: &Design, columns: Columns, instance: &str) -> Vec<Block> {
 }
 
 /// Returns the lines of `floorplan.xdc` for a part with these columns, whose calculator is inside of the instance `instance` of the design's
-/// top. Two rows of multipliers, and one of block memories, are five rows of slices.
+/// top.
 #[must_use]
 pub fn lines(design: &Design, columns: Columns, instance: &str) -> String {
     let mut text = String::from(HEAD);
@@ -88,8 +73,10 @@ pub fn lines(design: &Design, columns: Columns, instance: &str) -> String {
         text.push_str("\n# This design has more multipliers than the part.\n");
     }
     for block in blocks {
-        let (dsps, rams) = (block.dsp_places(columns), block.ram_places(columns));
-        let (last, column, ram_column) = (block.first + block.rows - 1, columns.multipliers.0 - 1, columns.memories - 1);
+        let (dsp_columns, _) = columns.multipliers;
+        let (dsps, rams) = (block.rows * dsp_columns, block.rows / 2 * columns.full_memories());
+        let (last, column, ram_column) =
+            (block.first + block.rows - 1, dsp_columns - 1, columns.memories - 1);
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
@@ -114,50 +101,3 @@ const HEAD: &str = "\
 # Optional, read by no script: `read_xdc constraints/floorplan.xdc` before place_design where the stages of the calculator miss their clock and their worst paths are\n\
 # wires (docs/fabric.md). It keeps the multipliers and memories of eight neighbouring banks together, group by group in the order in which data pass, from the bottom\n\
 # up. Blocks of neighbours overlap; slices are left free.\n";
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The blocks of a design on the KC705, and that part's columns.
-    fn committed(name: &str) -> (Design, Columns, Vec<Block>) {
-        let path = format!("{}/../../designs/{name}.json", env!("CARGO_MANIFEST_DIR"));
-        let design = Design::from_json(&std::fs::read_to_string(path).unwrap()).unwrap();
-        let columns = design.board.part.columns.unwrap();
-        let blocks = blocks_of(&design, columns, "core/core");
-        (design, columns, blocks)
-    }
-
-    #[test]
-    fn no_block_is_fuller_than_its_limit_and_all_multipliers_are_in_one() {
-        for name in ["kc705", "kc705-slow"] {
-            let (design, columns, blocks) = committed(name);
-            for block in &blocks {
-                let dsps = 100 * block.dsps / block.dsp_places(columns);
-                let rams = 100 * block.rams / block.ram_places(columns);
-                assert!(dsps <= MAX_FILL && rams <= MAX_FILL, "{}: {dsps} %, {rams} %", block.name);
-                let is_inside = block.first + block.rows <= columns.multipliers.1;
-                assert!(block.first % 2 == 0 && is_inside, "{}", block.name);
-            }
-            let dsps: usize = blocks.iter().map(|block| block.dsps).sum();
-            assert_eq!(dsps, design.stages().map(|plan| plan.dsps()).sum::<usize>());
-        }
-    }
-
-    /// Hall's condition for intervals: each range of rows has places for all blocks that are inside of it.
-    #[test]
-    fn blocks_that_share_rows_have_places_together() {
-        for name in ["kc705", "kc705-slow"] {
-            let (_, columns, blocks) = committed(name);
-            let (dsp_columns, dsp_rows) = columns.multipliers;
-            for first in (0..dsp_rows).step_by(2) {
-                for end in (first + 2..=dsp_rows).step_by(2) {
-                    let inside = blocks.iter().filter(|b| b.first >= first && b.first + b.rows <= end);
-                    let (dsps, rams) = inside.fold((0, 0), |(d, r), b| (d + b.dsps, r + b.rams));
-                    assert!(dsps <= (end - first) * dsp_columns, "{name} {first}..{end}: {dsps}");
-                    assert!(rams <= (end - first) / 2 * whole_columns(columns), "{name} {first}..{end}: {rams}");
-                }
-            }
-        }
-    }
-}

@@ -1,13 +1,13 @@
 //! The limit that no lens passes, and how near to it lenses come: the table of the worked-out bound (docs/results/bound.md quotes its definition).
 
 use edof_core::camera::Camera;
+use edof_optics::Statistics;
 use edof_optics::bound::ceiling::ceilings;
 use edof_optics::bound::judge::{Judge, Sides};
 use edof_optics::bound::lenses::{closed, without_mask};
 use edof_optics::bound::transfer::{Sampling, transfers};
 use edof_optics::bound::wiener::bayer_errors;
 use edof_optics::bound::{Light, Reached, depths};
-use edof_optics::statistics::Statistics;
 
 fn light(electrons: f64) -> Light {
     Light { electrons, read_noise_e: 2.5, mean: Light::MEAN }
@@ -70,8 +70,8 @@ fn the_worked_out_table_comes_out_within_a_tenth_of_a_decibel() {
         for (i, (clear, coded)) in clear.iter().zip(&coded).enumerate() {
             let ([_, electrons], clear_known, ring_minus, any_minus) = TABLE[3 * index + i];
             let Reached { average_db, worst_db } = clear.known.reached;
-            let [blind, known] = [(coded.blind, clear.blind), (coded.known, clear.known)]
-                .map(|(a, b)| a.reached.minus(b.reached));
+            let [blind, known] = [(coded[0], clear.blind), (coded[1], clear.known)]
+                .map(|(coded, clear)| coded.minus(clear.reached));
             let limit = ceiling[i].bayer_db;
             let found = [
                 [average_db, worst_db, clear.known.stops].to_vec(),

@@ -82,9 +82,16 @@ pub fn images(start: u16) -> (tempfile::TempDir, PathBuf) {
 }
 
 /// Instances in the text of a module, with their modules: `module name (` or `module #(parameters) name (`.
-pub fn instances(text: &str) -> Vec<(String, String)> {
-    let instance = |line: &str| {
+pub fn instances<'a>(text: &'a str) -> Vec<(String, String)> {
+    // The module of an instance whose parameters have lines of their own.
+    let mut open = "";
+    let instance = |line: &'a str| {
         let (module, rest) = line.trim().split_once(' ')?;
+        if rest == "#(" {
+            open = module;
+            return None;
+        }
+        let module = if module == ")" { open } else { module };
         let rest = match rest.strip_prefix("#(") {
             Some(parameters) => parameters.split_once(")) ")?.1,
             None => rest,

@@ -124,8 +124,16 @@ pub enum ReadsTwice {
 pub struct Columns {
     /// Columns of multipliers, and their rows.
     pub multipliers: (usize, usize),
-    /// Columns of block memories; the last has gaps.
+    /// Columns of block memories; a row of them is two rows of multipliers. The last column has gaps.
     pub memories: usize,
+}
+
+impl Columns {
+    /// Returns the columns of block memories without gaps.
+    #[must_use]
+    pub const fn full_memories(&self) -> usize {
+        self.memories - 1
+    }
 }
 
 impl Multiplier {

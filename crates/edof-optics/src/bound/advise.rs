@@ -121,7 +121,7 @@ pub fn advise(camera: &Camera, light: Light, statistics: &Statistics) -> Result<
     }
     let masked = &stops[..stops.len().min(MASKED_STOPS)];
     let best_of = |all: Vec<Choice>| all.into_iter().max_by(|a, b| by_score(b, a));
-    if camera.has_mask() {
+    if !camera.is_clear() {
         let own = masked.iter().filter_map(|at| judged(&[*at], camera, Sides::Differ, Sampling::Fine));
         choices.extend(best_of(own.map(|best| choice(Kind::Own, camera, best)).collect()));
     }

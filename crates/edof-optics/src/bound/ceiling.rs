@@ -10,7 +10,6 @@ use super::relaxed::{self, Limits};
 use super::transfer::channel_wavelengths;
 use super::wiener::{Bayer, Planes, View, spectra};
 use super::{GRID, Light, decibels, pupil};
-use crate::psf::wave_um;
 use crate::statistics::Statistics;
 use edof_core::Channel;
 use edof_core::camera::Camera;
@@ -65,7 +64,7 @@ fn folded(camera: &Camera, channel: Channel, width: f64) -> Array2<Complex64> {
     let mut sum = Array2::<f64>::zeros((GRID, GRID));
     for nm in lines {
         let table = Table::new(width * camera.reference_wavelength_nm / nm);
-        let per_cycle = 2.0 * wave_um(camera, nm) / camera.pixel_pitch_um;
+        let per_cycle = 2.0 * camera.wave_um(nm) / camera.pixel_pitch_um;
         sum += &(Array2::from_shape_fn((GRID, GRID), |(r, c)| table.folded(r, c, per_cycle)) * share);
     }
     sum.mapv(|v| Complex64::new(v.min(1.0), 0.0))

@@ -5,7 +5,7 @@ use super::transfer::{Sampling, Transfer, transfers};
 use super::wiener::{Bayer, Planes, View, spectra};
 use super::{Light, Reached, depths};
 use crate::statistics::Statistics;
-use edof_core::camera::Camera;
+use edof_core::camera::{Camera, Symmetry};
 use edof_core::words::number;
 use ndarray::Array2;
 
@@ -99,7 +99,7 @@ impl<'a> Judge<'a> {
         for &stops in self.stops {
             let psis: Vec<f64> = depths(camera.psi_range).iter().map(|psi| psi * (-stops).exp2()).collect();
             for (focus_psi, transfers) in self.foci(&closed(camera, stops), &psis, sides) {
-                let round = camera.is_round();
+                let round = camera.symmetry() == Symmetry::Round;
                 let bayer = View::new::<Bayer>(&self.spectra, &transfers, round);
                 let planes = View::new::<Planes>(&self.spectra, &transfers, round);
                 for (best, light) in best.iter_mut().zip(self.lights) {

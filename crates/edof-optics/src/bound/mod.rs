@@ -11,7 +11,7 @@
 //! | | [`judge`] | the best stop and focus of a lens |
 //! | | [`advise`](mod@advise) | the lens that a range of depths and a light need |
 //!
-//! Photographs vary as [`Statistics`](crate::statistics::Statistics) have it, on a torus of [`GRID`] pixels. Light is stated as the electrons of a
+//! Photographs vary as [`Statistics`](crate::Statistics) have it, on a torus of [`GRID`] pixels. Light is stated as the electrons of a
 //! white pixel behind the open aperture; noise is that of a pixel of mean light. All decibels are PSNR of linear light, peak 1.
 //!
 //! ```

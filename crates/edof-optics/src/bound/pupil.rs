@@ -208,7 +208,7 @@ mod tests {
         for name in ["clear-mid", "ring-outer", "ring-2018", "ring-2015", "ring-depth-2018"] {
             let camera = Camera::resolve(name).unwrap();
             let support = 256;
-            let cutoff = camera.pixel_pitch_um / crate::psf::wave_um(&camera, 460.0);
+            let cutoff = camera.pixel_pitch_um / camera.wave_um(460.0);
             let otfs: Vec<_> =
                 (0..=40).map(|i| otf_along_row(&camera, 460.0, 0.2 * f64::from(i), support)).collect();
             for q in [16, 48, 80, 128, 192] {

@@ -3,7 +3,7 @@
 use super::GRID;
 use crate::psf::{pixel_transfer, wavelengths, whole_psf};
 use edof_core::Channel;
-use edof_core::camera::{Camera, Spectrum};
+use edof_core::camera::{Camera, Spectrum, Symmetry};
 use edof_numerics::fft::{Complex64, Real};
 use ndarray::{Array2, Axis, s};
 use rayon::prelude::*;
@@ -56,7 +56,7 @@ fn of_channel(camera: &Camera, channel: Channel, psi: f64, sampling: Sampling) -
 }
 
 fn of_line(camera: &Camera, nm: f64, psi: f64, support: usize) -> Array2<Complex64> {
-    if camera.is_round() {
+    if camera.symmetry() == Symmetry::Round {
         let step = (support / GRID) as isize;
         let quarter = pixel_transfer(camera, nm, psi, support);
         let at = |i: usize| i.min(GRID - i) * step as usize;
@@ -87,14 +87,14 @@ pub(super) fn transformed(mut plane: Array2<Complex64>) -> Array2<Complex64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_core::camera::Aberration;
+    use edof_core::camera::{Aberration, Zernike};
 
     #[test]
     fn a_lens_has_one_transfer_whether_or_not_it_is_taken_for_round() {
         let round = Camera::resolve("ring-outer").unwrap();
-        let none = vec![Aberration { noll: 4, rms_nm: 0.0 }];
+        let none = Zernike(vec![Aberration { noll: 5, rms_nm: 0.0 }]);
         let whole = Camera { aberrations: none, ..round.clone() };
-        assert!(!whole.is_round());
+        assert_eq!(whole.symmetry(), Symmetry::None);
         for sampling in [Sampling::Coarse, Sampling::Fine] {
             let [a, b] = [&round, &whole].map(|camera| transfers(camera, &[1.0, 6.0], sampling));
             for (a, b) in a.iter().flatten().zip(b.iter().flatten()) {
@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn light_that_leans_to_the_right_has_the_phase_of_its_place() {
         let coma = Camera {
-            aberrations: vec![Aberration { noll: 2, rms_nm: 120.0 }],
+            aberrations: Zernike(vec![Aberration { noll: 2, rms_nm: 120.0 }]),
             ..Camera::resolve("clear-mid").unwrap()
         };
         let [_, green, _] = &transfers(&coma, &[4.0], Sampling::Fine)[0];

@@ -10,7 +10,7 @@
 use super::GRID;
 use super::transfer::Transfer;
 use crate::statistics::{SIDE, Statistics, pair};
-use edof_core::camera::Camera;
+use edof_core::camera::{Camera, Symmetry};
 use edof_numerics::fft::Complex64;
 use ndarray::Array2;
 use rayon::prelude::*;
@@ -257,7 +257,7 @@ pub(super) fn wiener_map<const Q: usize, const N: usize>(
 /// Returns the errors behind a camera's transfers, one for each depth, with a Bayer mosaic.
 #[must_use]
 pub fn bayer_errors(camera: &Camera, transfers: &[Transfer], statistics: &Statistics, noise: f64) -> Errors {
-    View::new::<Bayer>(&spectra(statistics), transfers, camera.is_round()).errors(noise)
+    View::new::<Bayer>(&spectra(statistics), transfers, camera.symmetry() == Symmetry::Round).errors(noise)
 }
 
 #[cfg(test)]

@@ -7,12 +7,12 @@ use crate::verdict::listed;
 use edof_core::Channel;
 use edof_core::camera::Camera;
 use edof_numerics::fft::Complex64;
+use edof_optics::Statistics;
 use edof_optics::bound::ceiling::{Ceiling, ceilings, limits};
 use edof_optics::bound::judge::{Best, BoundError, Judge, Setting, Sides, possible};
 use edof_optics::bound::lenses::{closed, without_mask};
 use edof_optics::bound::transfer::{Sampling, Transfer, transfers};
 use edof_optics::bound::{GRID, Light, Reached};
-use edof_optics::statistics::Statistics;
 use serde::Serialize;
 
 /// Stops by which the lenses are closed.
@@ -82,7 +82,7 @@ pub fn bound(
         let stops = possible(&camera, &STOPS)?;
         let judge = Judge::new(lights, &stops, Sampling::Fine, statistics);
         let clear = judge.best(&without_mask(&camera), Sides::Alike);
-        let lens = if camera.has_mask() { judge.best(&camera, Sides::Differ) } else { clear.clone() };
+        let lens = if !camera.is_clear() { judge.best(&camera, Sides::Differ) } else { clear.clone() };
         let ceilings = ceilings(&camera, lights, stops[0], statistics);
         let measured = lights.iter().zip(clear).zip(lens).zip(ceilings);
         rows.extend(measured.map(|(((light, clear), lens), ceiling)| Row {
@@ -109,7 +109,7 @@ pub fn frequency_plots(camera: &Camera) -> Vec<Plot> {
         ("clear lens", Mark::Line, transfers(&clear, &psis, Sampling::Fine)),
         ("clear, one stop closed", Mark::Dashed, transfers(&closed(&clear, 1.0), &smaller, Sampling::Fine)),
     ];
-    if camera.has_mask() {
+    if !camera.is_clear() {
         lenses.push((camera.name.as_str(), Mark::Line, transfers(camera, &psis, Sampling::Fine)));
     }
     let limit = limits(camera).mean;
@@ -154,7 +154,7 @@ pub fn light_plots(camera: &Camera, light: Light, statistics: &Statistics) -> Re
             line("clear lens, depth known", Mark::Line, &|r| of(r.clear.known.reached)),
             line("clear lens, blind", Mark::Dashed, &|r| of(r.clear.blind.reached)),
         ];
-        if camera.has_mask() {
+        if !camera.is_clear() {
             series.push(line(&format!("{}, depth known", camera.name), Mark::Line, &|r| {
                 of(r.lens.known.reached)
             }));

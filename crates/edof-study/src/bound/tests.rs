@@ -2,10 +2,21 @@
 
 use super::*;
 use crate::aperture::Lens;
-use crate::aperture::networks::Row as NetworkRow;
 use edof_optics::bound::advise::{KNOWN_SHARE, NETWORK_DB, NETWORK_ERROR_DB, RANKING_ERROR_DB};
 use edof_optics::bound::wiener::bayer_errors;
 use std::collections::BTreeMap;
+
+/// What the advisor is compared with, of each row of the study.
+#[derive(serde::Deserialize)]
+struct NetworkRow {
+    lens: Lens,
+    stops: f64,
+    range: f64,
+    electrons: f64,
+    focus_psi: f64,
+    psi: f64,
+    psnr_db: f64,
+}
 
 /// One lens, stop, range and light: what the mixture of estimates expects, and what networks reached.
 struct Pair {
@@ -15,10 +26,11 @@ struct Pair {
 }
 
 fn pairs() -> Vec<Pair> {
-    let text = include_str!("../../../../docs/results/aperture-networks.jsonl");
+    let text = include_str!("../../../../docs/results/aperture-networks.csv");
+    let mut table = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
     let mut groups: BTreeMap<[u64; 4], Vec<NetworkRow>> = BTreeMap::new();
-    for line in text.lines().skip(1) {
-        let row: NetworkRow = serde_json::from_str(line).unwrap();
+    for row in table.deserialize() {
+        let row: NetworkRow = row.unwrap();
         let lens = if row.lens == Lens::Coded { 1000.0 } else { 10.0 * row.stops };
         let key = [lens, row.range, 1e3 * row.focus_psi, row.electrons].map(|v| v.round() as u64);
         groups.entry(key).or_default().push(row);

@@ -7,9 +7,9 @@ use crate::lens::{self, Depth, DepthRange, Lens};
 use crate::ui::Ui;
 use edof_core::camera::{Camera, Spectrum};
 use edof_core::words::number;
+use edof_optics::Statistics;
 use edof_optics::bound::Light;
-use edof_optics::depth::psi_at;
-use edof_optics::statistics::Statistics;
+use edof_optics::psi_at;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -108,20 +108,22 @@ impl Scene {
 /// The camera with a range of depths of its own. The far end of a range in metres has ψ = 0, unless the camera states where that is.
 ///
 /// # Errors
-/// A range without a width, or a mixture of ψ and metres before a camera that does not know where ψ is zero.
+/// A range without a width, or of ψ and metres.
 pub fn with_range(camera: &Camera, range: Option<DepthRange>) -> Result<Camera, Error> {
     let mut camera = camera.clone();
     if let Some(DepthRange { near, far }) = range {
         let given = format!("--range {}:{}", near.in_words(), far.in_words());
-        let ends = match [near, far] {
+        let [a, b] = match [near, far] {
             [Depth::Metres(a), Depth::Metres(b)] => {
                 let nominal = camera.nominal_m.unwrap_or(a.max(b));
                 camera.nominal_m = Some(nominal).filter(|m| m.is_finite());
-                Ok([a, b].map(|m| psi_at(&camera, m, nominal)))
+                [a, b].map(|m| psi_at(&camera, m, nominal))
             }
-            [a, b] => a.psi(&camera).and_then(|a| Ok([a, b.psi(&camera)?])),
+            [Depth::Psi(a), Depth::Psi(b)] => [a, b],
+            _ => {
+                return Err(Error::message(format!("{given}: a psi and a distance, expected two of a kind")));
+            }
         };
-        let [a, b] = ends.map_err(|e| Error::message(format!("{given}: {e}")))?;
         camera.psi_range = [a.min(b), a.max(b)];
         if camera.psi_range[1] - camera.psi_range[0] < 0.01 {
             return Err(Error::message(format!("{given}: has no width, expected two different depths")));
