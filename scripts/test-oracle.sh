@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The contract on paper against the program: tests/oracles (NumPy, written from docs/contract.md) runs the real `edof` and compares
-# every word and code; then docs/results/bound.md against `edof optics bound`. Arguments go on to check.py; the program is built if it is not given as EDOF.
+# every word and code, PSFs of polynomial masks with a plain FFT, and docs/results/bound.md with `edof optics bound`. Arguments go on to check.py; the
+# program is built if it is not given as EDOF.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
@@ -16,6 +17,7 @@ if ! "$environment/bin/python" -c 'import numpy, PIL' 2>/dev/null; then
     python3 -m venv --clear "$environment"
     "$environment/bin/pip" install -q -r tests/oracles/requirements.txt
 fi
+"$environment/bin/python" -B tests/oracles/optics.py "$EDOF"
 "$environment/bin/python" -B tests/oracles/check.py "$EDOF" "$@"
 "$environment/bin/python" -B tests/oracles/bound.py "$EDOF"
 # Banks of PSFs as NumPy writes them.

@@ -107,7 +107,7 @@ fn a_dependency_that_breaks_a_rule_is_found() {
     let with = |from: &str, name: &str, feature: Option<&str>, is_for_tests| {
         let mut packages = packages();
         let features = feature.into_iter().map(str::to_owned).collect();
-        let dependency = Dependency { name: name.to_owned(), is_for_tests, features };
+        let dependency = Dependency { name: name.to_owned(), is_for_tests, is_optional: false, features };
         packages.iter_mut().find(|package| package.name == from).unwrap().dependencies.push(dependency);
         violations(&packages)
     };

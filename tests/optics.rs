@@ -428,3 +428,52 @@ fn layers_that_make_no_scene_are_reported_by_file_and_place() {
     refused(SCENE, "--sharp card.png", &["--sharp card.png: would replace "]);
     refused(SCENE, "--json matte.png", &["--json matte.png: would replace "]);
 }
+
+#[test]
+fn a_polynomial_mask_is_captured_and_searched_and_rejected_by_its_field() {
+    let place = Place::new();
+    place.photo("photo.png", 64, 48);
+    let mask = r#"{"mask": [{"polynomial": {"at_nm": 460, "cauchy": [1.458, 0.00354], "terms": [{"x": 3, "y": 0, "rad": 6.0}, {"x": 0, "y": 3, "rad": 6.0}]}}],"#;
+    let text = include_str!("../cameras/clear-mid.json").replacen('{', mask, 1);
+    place.write("cubic.json", &text);
+    let line = "capture photo.png --camera cubic.json --psi 6 --no-measure --out";
+    place.edof(&format!("{line} raw.png")).done();
+    let record = json(&std::fs::read_to_string(place.path("raw.png.json")).unwrap());
+    assert_eq!(record["camera"]["mask"][0]["polynomial"]["terms"][1]["rad"], 6.0);
+    place.edof("capture photo.png --camera clear-mid --psi 6 --no-measure --out clear.png").done();
+    let [light, without] = ["raw.png", "clear.png"].map(|name| photo::load_grey(&place.path(name)).unwrap());
+    assert!((light - without).iter().any(|d| d.abs() > 0.01));
+    // A lens without rings is not a clear lens.
+    place
+        .edof("reconstruct raw.png --weights edof-t4w12-clear --out no.png")
+        .refused(&["was taken by clear-mid"]);
+    for (from, to, words) in [
+        (
+            "\"x\": 3",
+            "\"x\": 9",
+            ["cubic.json: camera clear-mid: mask.polynomial.terms is x^9 y^0 of 6 rad", "1 to 5 in sum"],
+        ),
+        ("\"at_nm\": 460", "\"at_nm\": 0", ["mask.polynomial.at_nm is 0", "100 to 30000 nm"]),
+        ("1.458, 0.00354", "1, 0", ["mask.polynomial.cauchy is [1, 0]", "differs from 1"]),
+        ("\"polynomial\"", "\"cubic\"", ["cubic.json: not a camera: unknown value `cubic`", "`polynomial`"]),
+        (
+            "\"rad\": 6.0}]",
+            "\"radians\": 6.0}]",
+            ["cubic.json: not a camera: unknown field `radians`", "`rad`"],
+        ),
+    ] {
+        place.write("cubic.json", text.replacen(from, to, 1));
+        place.edof(&format!("{line} no.png")).refused(&words);
+    }
+    place.write("cubic.json", &text);
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/a.png", 320, 288);
+    place.float_network("net.safetensors");
+    let line = "optics design --through net.safetensors --camera cubic.json --images photos --photos all --steps 4 --windows 8 --rounds 2";
+    let report = json(&place.edof(&format!("{line} --out mine.json --json")).done().out);
+    assert_eq!(report["history"][0]["gradient"].as_array().unwrap().len(), 3);
+    let coefficient =
+        |camera: &serde_json::Value| camera["mask"][0]["polynomial"]["terms"][0]["rad"].as_f64().unwrap();
+    assert_ne!(coefficient(&report["camera"]), coefficient(&report["start"]), "the coefficient moved");
+    assert!(!place.path("no.png").exists());
+}

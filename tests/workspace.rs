@@ -8,6 +8,7 @@ use std::process::Command;
 pub struct Dependency {
     pub name: String,
     pub is_for_tests: bool,
+    pub is_optional: bool,
     pub features: Vec<String>,
 }
 
@@ -32,6 +33,7 @@ pub fn packages() -> Vec<Package> {
     let dependency = |value: &Value| Dependency {
         name: text(&value["name"]),
         is_for_tests: value["kind"] == "dev",
+        is_optional: value["optional"] == true,
         features: value["features"].as_array().unwrap().iter().map(text).collect(),
     };
     let package = |value: &Value| Package {

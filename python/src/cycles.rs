@@ -4,11 +4,12 @@ use crate::arguments::{array, whole};
 use crate::error::{OrRaise, failed};
 use crate::job;
 use crate::reconstruct::fixed;
+use edof_core::number::InputWord;
 use edof_cosim::chain::check::boundary_names;
 use edof_device::Design;
 use edof_device::design::memory::Set;
 use edof_golden::cycle::{Cycle, Patch, PatchRun, Stalls};
-use ndarray::{Array1, Array2, Ix2};
+use ndarray::{Array1, Array2, ArrayView1, Ix2};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -58,8 +59,9 @@ pub fn cycles<'py>(
     if let Some(word) = windows.as_array().iter().find(|word| **word < 0) {
         return Err(failed(format!("windows: holds {word}, expected 0 to 32767")));
     }
+    let window = |row: ArrayView1<'_, i16>| row.iter().map(|word| InputWord::from_bits(*word)).collect();
     let patches: Vec<Patch> =
-        windows.as_array().outer_iter().map(|row| Patch { window: row.to_vec(), set: Set::First }).collect();
+        windows.as_array().outer_iter().map(|row| Patch { window: window(row), set: Set::First }).collect();
     let model = Cycle::new(design, [golden.network(), golden.network()]).or_raise()?.stalls(stalls);
     let runs: Vec<PatchRun> = job::run(py, move |_| model.run(patches).collect())?;
     let names = boundary_names(design.stages.len());

@@ -2,8 +2,8 @@
 
 use crate::arguments::{picture, size, word};
 use crate::error::{OrRaise, failed};
-use crate::reconstruct::curve;
 use crate::job;
+use crate::reconstruct::curve;
 use edof_core::Tone;
 use edof_io::photo;
 use edof_study::metrics::{BORDER, METRICS, Metric, Quality, Score};

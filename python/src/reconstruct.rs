@@ -236,8 +236,7 @@ pub fn words<'py>(
     for boundary in boundaries {
         all.set_item(boundary.name, boundary.words.into_pyarray(py))?;
     }
-    let [cb, cr] = out.frame.chroma;
-    for (name, plane) in [("luma", out.frame.luma), ("cb", cb), ("cr", cr)] {
+    for (name, plane) in ["luma", "cb", "cr"].into_iter().zip(out.frame.bits()) {
         all.set_item(name, plane.into_pyarray(py))?;
     }
     let [cb, cr] = picture.chroma;

@@ -5,7 +5,7 @@
 
 use crate::frame::{ColourFrame, Frame422};
 use crate::geometry::{PATCH, PATCH_PIXELS};
-use crate::number::{CHROMA_GAIN, OUTPUT_FRACTION, saturate};
+use crate::number::{CHROMA_GAIN, OUTPUT_FRACTION, OutputWord, output_value};
 use ndarray::{Array1, Array2, Axis, s};
 
 /// Numbers in an RGB patch.
@@ -72,7 +72,7 @@ pub fn rgb_from_422(frame: &Frame422) -> ColourFrame {
 #[must_use]
 pub fn rgb_part_from_422(frame: &Frame422, first: (usize, usize), size: (usize, usize)) -> ColourFrame {
     let last_site = frame.luma.ncols() / 2 - 1;
-    let difference = |word: i16| f64::from(word) / (CHROMA_GAIN * f64::from(1 << OUTPUT_FRACTION));
+    let difference = |word: OutputWord| output_value(word) / CHROMA_GAIN;
     let mut part = ColourFrame::zeros(size.0, size.1);
     for (mut out, row) in part.planes.axis_iter_mut(Axis(1)).zip(first.0..) {
         let luma = frame.luma.slice(s![row, first.1..first.1 + size.1]);
@@ -81,8 +81,7 @@ pub fn rgb_part_from_422(frame: &Frame422, first: (usize, usize), size: (usize, 
             let (site, next) = (column / 2, column.div_ceil(2).min(last_site));
             let [cb, cr] =
                 [0, 1].map(|plane| 0.5 * (difference(chroma[plane][site]) + difference(chroma[plane][next])));
-            let luma = f64::from(*luma) / f64::from(1 << OUTPUT_FRACTION);
-            for (out, value) in rgb.iter_mut().zip(rgb_from_ycbcr(luma, cb, cr)) {
+            for (out, value) in rgb.iter_mut().zip(rgb_from_ycbcr(output_value(*luma), cb, cr)) {
                 *out = value as f32;
             }
         }
@@ -90,15 +89,16 @@ pub fn rgb_part_from_422(frame: &Frame422, first: (usize, usize), size: (usize, 
     part
 }
 
-/// The luma word for a luma of `luma` (1.0 = white).
+/// Returns the word nearest to a luma (1.0 = white), ties toward +∞, saturated.
 #[must_use]
-pub fn luma_word(luma: f64) -> i16 {
-    saturate((luma * f64::from(1 << OUTPUT_FRACTION) + 0.5).floor() as i64, 16).0
+pub fn luma_word(luma: f64) -> OutputWord {
+    // `fixed` would round ties of a float to even.
+    OutputWord::from_bits((luma * f64::from(1 << OUTPUT_FRACTION) + 0.5).floor() as i16)
 }
 
 /// The chroma word for a colour difference of −0.5…0.5.
 #[must_use]
-pub fn chroma_word(difference: f64) -> i16 {
+pub fn chroma_word(difference: f64) -> OutputWord {
     luma_word(CHROMA_GAIN * difference)
 }
 
@@ -134,7 +134,9 @@ mod tests {
 
     #[test]
     fn a_part_is_the_frames_to_the_last_bit() {
-        let word = |scale: usize| move |(row, column): (usize, usize)| (row * 977 + column * scale) as i16;
+        let word = |scale: usize| {
+            move |(row, column): (usize, usize)| OutputWord::from_bits((row * 977 + column * scale) as i16)
+        };
         let frame = Frame422 {
             luma: Array2::from_shape_fn((6, 8), word(4111)),
             chroma: [2503, 7919].map(|scale| Array2::from_shape_fn((6, 4), word(scale))),

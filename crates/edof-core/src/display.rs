@@ -3,6 +3,8 @@
 //! All products fit the 25×18-bit signed multiplier of a DSP48E1; one pixel a cycle takes four of them to red, green and blue, three
 //! to luma and three that Cb and Cr of a pixel pair share: ten.
 
+use crate::number::TableIndex;
+use fixed::types::{I10F22, I12F20, I15F17, I16F16};
 use serde::{Deserialize, Serialize};
 
 /// How words become codes.
@@ -60,33 +62,50 @@ pub const CODES: [u8; 2] = [1, 254];
 
 /// Entries of the luma table: one for each luma word of 0 or more.
 pub const LUMA_ENTRIES: usize = 1 << 15;
-/// Address bits of a colour's table: light of 0…1 with [`crate::number::OUTPUT_FRACTION`] fraction bits.
-pub const COLOUR_ADDRESS_BITS: u32 = 14;
-/// Bits of an entry of a colour's table: encoded light of 0…1 as 0…4095. A table takes six RAMB36E1 (16K×2 each).
+/// Address bits of a colour's table: light of 0 to 1 − 2^−14, a [`TableIndex`].
+pub const COLOUR_ADDRESS_BITS: u32 = TableIndex::FRAC_NBITS;
+/// Bits of an entry of a colour's table: encoded light of 0…1 as 0…4095, a code and no binary fraction. A table takes six RAMB36E1
+/// (16K×2 each).
 pub const COLOUR_ENTRY_BITS: u32 = 12;
 
-/// What Cb and Cr (columns; doubled words) add to luma to give red, green and blue (rows), in units of 2^−[`TO_RGB_SHIFT`].
-pub const TO_RGB: [[i32; 2]; 3] = [[0, 58_975], [-7_015, -17_531], [69_491, 0]];
-/// Sixteen fraction bits and one for the doubling of chroma.
-pub const TO_RGB_SHIFT: u32 = 17;
+/// Factor of doubled chroma in light: sixteen fraction bits and one for the doubling.
+pub type ToRgb = I15F17;
+/// Factor of an encoded colour in luma.
+pub type ToLuma = I12F20;
+/// Factor of an encoded colour in chroma: twenty fraction bits and two for the filter [1 2 1].
+pub type ToChroma = I10F22;
+/// Factor of a code in what a sink shows.
+pub type Sink = I16F16;
 
-/// Luma code above black of encoded red, green and blue, in units of 2^−[`TO_LUMA_SHIFT`].
-pub const TO_LUMA: [i32; 3] = [11_922, 40_107, 4_049];
-/// Fraction bits of [`TO_LUMA`].
-pub const TO_LUMA_SHIFT: u32 = 20;
+/// What doubled Cb and Cr (columns) add to luma to give red, green and blue (rows).
+pub const TO_RGB: [[ToRgb; 2]; 3] =
+    [[ToRgb::ZERO, rgb(58_975)], [rgb(-7_015), rgb(-17_531)], [rgb(69_491), ToRgb::ZERO]];
 
-/// Cb and Cr codes (rows) of encoded red, green and blue (columns), each filtered to four times its size, in units of
-/// 2^−[`TO_CHROMA_SHIFT`]. Rows add up to zero: grey has no chroma.
-pub const TO_CHROMA: [[i32; 3]; 2] = [[-6_572, -22_107, 28_679], [28_679, -26_049, -2_630]];
-/// Twenty fraction bits and two for the filter [1 2 1].
-pub const TO_CHROMA_SHIFT: u32 = 22;
+/// Luma code above black of encoded red, green and blue.
+pub const TO_LUMA: [ToLuma; 3] =
+    [ToLuma::from_bits(11_922), ToLuma::from_bits(40_107), ToLuma::from_bits(4_049)];
 
-/// What a sink shows of luma above black, in units of 2^−[`SINK_SHIFT`] of an 8-bit code.
-pub const SINK_LUMA: i32 = 76_309;
-/// What a sink adds for Cb and Cr (columns; doubled) to red, green and blue (rows).
-pub const SINK_CHROMA: [[i32; 2]; 3] = [[0, 58_745], [-6_988, -17_462], [69_219, 0]];
-/// Fraction bits of [`SINK_LUMA`]; those of [`SINK_CHROMA`] are one more, for the doubling.
-pub const SINK_SHIFT: u32 = 16;
+/// Cb and Cr codes (rows) of encoded red, green and blue (columns), each filtered to four times its size. Rows add up to zero: grey has no chroma.
+pub const TO_CHROMA: [[ToChroma; 3]; 2] =
+    [[chroma(-6_572), chroma(-22_107), chroma(28_679)], [chroma(28_679), chroma(-26_049), chroma(-2_630)]];
+
+/// 8-bit codes that a sink shows per luma code above black.
+pub const SINK_LUMA: Sink = Sink::from_bits(76_309);
+/// What a sink adds for doubled Cb and Cr codes (columns) to red, green and blue (rows).
+pub const SINK_CHROMA: [[Sink; 2]; 3] =
+    [[Sink::ZERO, sink(58_745)], [sink(-6_988), sink(-17_462)], [sink(69_219), Sink::ZERO]];
+
+const fn rgb(bits: i32) -> ToRgb {
+    ToRgb::from_bits(bits)
+}
+
+const fn chroma(bits: i32) -> ToChroma {
+    ToChroma::from_bits(bits)
+}
+
+const fn sink(bits: i32) -> Sink {
+    Sink::from_bits(bits)
+}
 
 #[cfg(test)]
 mod tests {
@@ -94,29 +113,24 @@ mod tests {
     use crate::colour::{rgb_from_ycbcr, ycbcr_matrix};
     use crate::number::CHROMA_GAIN;
 
-    fn nearest(exact: f64) -> i32 {
-        exact.round() as i32
-    }
-
     #[test]
     fn coefficients_are_the_nearest_to_bt709() {
         let entry = f64::from((1 << COLOUR_ENTRY_BITS) - 1);
         let [luma, cb, cr] = ycbcr_matrix();
         let from = [rgb_from_ycbcr(0.0, 1.0, 0.0), rgb_from_ycbcr(0.0, 0.0, 1.0)];
-        let unit = |shift: u32| f64::from(1 << shift);
         for plane in 0..3 {
-            assert_eq!(TO_LUMA[plane], nearest(LUMA_CODES / entry * luma[plane] * unit(TO_LUMA_SHIFT)));
+            assert_eq!(TO_LUMA[plane], ToLuma::from_num(LUMA_CODES / entry * luma[plane]));
             for which in 0..2 {
                 let light = from[which][plane] / CHROMA_GAIN / 2.0;
-                assert_eq!(TO_RGB[plane][which], nearest(light * unit(TO_RGB_SHIFT)));
+                assert_eq!(TO_RGB[plane][which], ToRgb::from_num(light));
                 let code = CHROMA_CODES / entry / 4.0 * [cb, cr][which][plane];
-                assert_eq!(TO_CHROMA[which][plane], nearest(code * unit(TO_CHROMA_SHIFT)));
+                assert_eq!(TO_CHROMA[which][plane], ToChroma::from_num(code));
                 let shown = 255.0 / CHROMA_CODES * from[which][plane] / 2.0;
-                assert_eq!(SINK_CHROMA[plane][which], nearest(shown * unit(SINK_SHIFT)));
+                assert_eq!(SINK_CHROMA[plane][which], Sink::from_num(shown));
             }
         }
-        assert_eq!(SINK_LUMA, nearest(255.0 / LUMA_CODES * unit(SINK_SHIFT)));
-        assert!(TO_CHROMA.iter().all(|row| row.iter().sum::<i32>() == 0), "grey would have a tint");
+        assert_eq!(SINK_LUMA, Sink::from_num(255.0 / LUMA_CODES));
+        assert!(TO_CHROMA.iter().all(|row| row.iter().sum::<ToChroma>() == 0), "grey would have a tint");
     }
 
     #[test]
@@ -125,8 +139,10 @@ mod tests {
         let doubled_chroma = [2 * i32::from(i16::MIN), 2 * i32::from(i16::MAX)];
         let filtered = 4 * ((1 << COLOUR_ENTRY_BITS) - 1);
         assert!(doubled_chroma.into_iter().chain([filtered]).all(|word| fits(word, 25)));
-        let coefficients = TO_RGB.iter().flatten().chain(&TO_LUMA).chain(TO_CHROMA.iter().flatten());
-        assert!(coefficients.into_iter().all(|c| fits(*c, 18)));
+        let rgb = TO_RGB.iter().flatten().map(|c| c.to_bits());
+        let luma = TO_LUMA.iter().map(|c| c.to_bits());
+        let chroma = TO_CHROMA.iter().flatten().map(|c| c.to_bits());
+        assert!(rgb.chain(luma).chain(chroma).all(|c| fits(c, 18)));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::cfa::CfaPhase;
 use crate::geometry::{GeometryError, mirror};
+use crate::number::OutputWord;
 use ndarray::{Array2, Array3, ArrayView2};
 use std::borrow::Cow;
 
@@ -154,10 +155,25 @@ impl ColourFrame {
 /// The board's picture before the display step: 16-bit linear luma, and 16-bit chroma at half the columns, co-sited with the even ones.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Frame422 {
-    /// Luma, signed with [`crate::number::OUTPUT_FRACTION`] fraction bits; rows × columns.
-    pub luma: Array2<i16>,
-    /// Cb and Cr words, 0 = none, as many fraction bits and the gain [`crate::number::CHROMA_GAIN`]; rows × columns/2 each.
-    pub chroma: [Array2<i16>; 2],
+    /// Luma; rows × columns.
+    pub luma: Array2<OutputWord>,
+    /// Cb and Cr with the gain [`crate::number::CHROMA_GAIN`]; rows × columns/2 each.
+    pub chroma: [Array2<OutputWord>; 2],
+}
+
+impl Frame422 {
+    /// Returns a frame of zeros.
+    #[must_use]
+    pub fn zeros(height: usize, width: usize) -> Self {
+        let plane = |width| Array2::from_elem((height, width), OutputWord::ZERO);
+        Self { luma: plane(width), chroma: [plane(width / 2), plane(width / 2)] }
+    }
+
+    /// Returns luma, Cb and Cr as integers.
+    #[must_use]
+    pub fn bits(&self) -> [Array2<i16>; 3] {
+        [&self.luma, &self.chroma[0], &self.chroma[1]].map(|plane| plane.mapv(OutputWord::to_bits))
+    }
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@
 
 use divan::{Bencher, counter::ItemsCount};
 use edof_core::draw::Draw;
+use edof_core::number::InputWord;
 use edof_cosim::Source;
 use edof_cosim::chain::device::{Beat, Inputs};
 use edof_cosim::chain::second::rows;
@@ -92,10 +93,11 @@ impl Case {
 fn patches(design: &Design) -> Vec<Patch> {
     let draw = &mut Draw::new(1);
     let side = design.form.window.side() as i64;
-    let window = |draw: &mut Draw| -> Vec<i16> {
+    let window = |draw: &mut Draw| -> Vec<InputWord> {
         let (level, across, down) = (draw.whole(4000, 20_000), draw.whole(-300, 300), draw.whole(-300, 300));
         let pixel = |i: i64| level + across * (i % side) + down * (i / side);
-        (0..side * side).map(|i| (pixel(i) + draw.whole(-200, 200)).clamp(0, 32_767) as i16).collect()
+        let word = |bits: i64| InputWord::from_bits(bits.clamp(0, 32_767) as i16);
+        (0..side * side).map(|i| word(pixel(i) + draw.whole(-200, 200))).collect()
     };
     (0..PATCHES).map(|_| Patch { window: window(draw), set: Set::First }).collect()
 }

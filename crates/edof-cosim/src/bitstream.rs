@@ -3,6 +3,7 @@
 use crate::promise;
 use crate::system::{self, PictureError, TableWords};
 use edof_core::draw::Draw;
+use edof_core::number::{InputWord, OutputWord};
 use edof_core::storage::folder::{self, Contents, FolderError};
 use edof_device::Design;
 use edof_device::board::{Board, Shell};
@@ -180,13 +181,13 @@ fn project(
 }
 
 /// Windows for the calculator's bench, and the patches that they become: some at the ends of their range, some of dim noise.
-fn windows(design: &Design, network: &FixedNetwork) -> (Vec<Vec<i16>>, Vec<Vec<i16>>) {
+fn windows(design: &Design, network: &FixedNetwork) -> (Vec<Vec<InputWord>>, Vec<Vec<OutputWord>>) {
     let (draw, pixels) = (&mut Draw::new(1), design.form.window.pixels());
     let window = |i: usize| match i % 3 {
         0 => edof_device::random::extreme_window(draw, pixels),
-        _ => (0..pixels).map(|_| draw.whole(0, 4_000) as i16).collect(),
+        _ => (0..pixels).map(|_| InputWord::from_bits(draw.whole(0, 4_000) as i16)).collect(),
     };
-    let windows: Vec<Vec<i16>> = (0..TRIED).map(window).collect();
+    let windows: Vec<Vec<InputWord>> = (0..TRIED).map(window).collect();
     let patches = windows.iter().map(|window| scalar::run(network, window).output).collect();
     (windows, patches)
 }

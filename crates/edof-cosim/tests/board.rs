@@ -2,6 +2,7 @@
 
 use crate::common::committed;
 use edof_core::draw::Draw;
+use edof_core::number::InputWord;
 use edof_cosim::system::{self, TableWords};
 use edof_golden::{Display, scalar};
 use edof_hdl::benches::Recorded;
@@ -32,7 +33,7 @@ pub fn project(design: &str) -> BoardProject {
     let display = Display::default();
     let words = TableWords::of(&display);
     let draw = &mut Draw::new(1);
-    let windows: Vec<Vec<i16>> =
+    let windows: Vec<Vec<InputWord>> =
         (0..12).map(|_| edof_device::random::extreme_window(draw, design.form.window.pixels())).collect();
     let patches = windows.iter().map(|window| scalar::run(&network, window).output).collect();
     let identity = Identity {

@@ -5,6 +5,7 @@
 use crate::common::{committed, networks};
 use crate::support;
 use edof_core::draw::Draw;
+use edof_core::number::InputWord;
 use edof_core::{DisplayMode, Geometry, RawFrame, Stride, Window};
 use edof_cosim::bench::Behaviour;
 use edof_cosim::bench::axi_lite::Access;
@@ -438,7 +439,7 @@ fn tables_are_read_back_while_pictures_are_made() {
     assert_eq!(table_rows_read(&mut rig, table_bank(2), 70, 7).0, crc(before.iter().copied()));
 }
 
-fn all_windows(raw: &RawFrame, geometry: Geometry) -> impl Iterator<Item = Vec<i16>> {
+fn all_windows(raw: &RawFrame, geometry: Geometry) -> impl Iterator<Item = Vec<InputWord>> {
     let (rows, columns) = geometry.patches(raw.size().0, raw.size().1);
     (0..rows * columns).map(move |i| windows::window(raw, geometry, i / columns, i % columns))
 }

@@ -4,8 +4,9 @@
 use crate::common::committed;
 use crate::streams;
 use crate::streams::{Beat, Compiled, Pauses, assert_beats};
-use edof_core::display::{TO_LUMA, TO_LUMA_SHIFT};
+use edof_core::display::{TO_LUMA, ToLuma};
 use edof_core::draw::Draw;
+use edof_core::number::{Fixed, InputWord, OutputWord};
 use edof_core::{CfaPhase, DisplayMode, Frame422, Geometry, RawFrame, Stride, Window};
 use edof_device::Design;
 use edof_device::design::FrameSize;
@@ -20,8 +21,9 @@ use edof_hdl::video::window_reorder::WindowReorder;
 use ndarray::Array2;
 
 /// Two 16-bit words as a port has them, the first low.
-fn pair(words: [i16; 2]) -> u64 {
-    u64::from(words[0] as u16) | u64::from(words[1] as u16) << 16
+fn pair(words: [impl Fixed<Bits = i16>; 2]) -> u64 {
+    let [low, high] = words.map(|word| u64::from(word.to_bits().cast_unsigned()));
+    low | high << 16
 }
 
 /// A design of `tiny`'s kind for another picture.
@@ -33,8 +35,8 @@ fn design(window: usize, stride: usize, (height, width): (usize, usize)) -> Desi
     design
 }
 
-fn words(draw: &mut Draw, size: (usize, usize)) -> Array2<i16> {
-    Array2::from_shape_simple_fn(size, || draw.extreme(16))
+fn words(draw: &mut Draw, size: (usize, usize)) -> Array2<OutputWord> {
+    Array2::from_shape_simple_fn(size, || OutputWord::from_bits(draw.extreme(16)))
 }
 
 fn random_frame(draw: &mut Draw, (height, width): (usize, usize)) -> Frame422 {
@@ -44,7 +46,9 @@ fn random_frame(draw: &mut Draw, (height, width): (usize, usize)) -> Frame422 {
 
 /// A frame whose colours mostly can be shown.
 fn moderate_frame(draw: &mut Draw, (height, width): (usize, usize)) -> Frame422 {
-    let mut some = |min, max, size| Array2::from_shape_simple_fn(size, || draw.whole(min, max) as i16);
+    let mut some = |min, max, size| {
+        Array2::from_shape_simple_fn(size, || OutputWord::from_bits(draw.whole(min, max) as i16))
+    };
     let luma = some(-500, 17000, (height, width));
     let chroma = [some(-3000, 3000, (height, width / 2)), some(-3000, 3000, (height, width / 2))];
     Frame422 { luma, chroma }
@@ -168,12 +172,12 @@ fn load_tables(golden: &GoldenDisplay, bench: &mut streams::Bench) {
 
 /// Red, green and blue after their tables, whose sum lies so that a unit more or less gives another luma code.
 fn decided_by_a_unit(draw: &mut Draw, remainder: i64) -> [u16; 3] {
-    let unit = 1i64 << TO_LUMA_SHIFT;
+    let unit = 1i64 << ToLuma::FRAC_NBITS;
     let sum = |colours: [u16; 3]| {
         TO_LUMA
             .iter()
             .zip(colours)
-            .map(|(factor, colour)| i64::from(*factor) * i64::from(colour))
+            .map(|(factor, colour)| i64::from(factor.to_bits()) * i64::from(colour))
             .sum::<i64>()
     };
     let mut all = std::iter::repeat_with(|| [0; 3].map(|_: u16| draw.whole(0, 4095) as u16));
@@ -224,8 +228,9 @@ fn patches(draw: &mut Draw, design: &Design, extreme: bool) -> (Vec<Beat>, Frame
     let mut beats = vec![];
     let mut counts = Counts::new(2);
     let patch = |_, _| {
-        let words: Vec<i16> = (0..128)
+        let words: Vec<OutputWord> = (0..128)
             .map(|_| if extreme { draw.extreme(16) } else { draw.whole(-2000, 2000) as i16 })
+            .map(OutputWord::from_bits)
             .collect();
         beats.extend(words.chunks_exact(2).map(|two| vec![pair([two[0], two[1]])]));
         words
@@ -280,7 +285,7 @@ fn window_beats(raw: &RawFrame, design: &Design, set: u64) -> Vec<Beat> {
     let beats = places.flat_map(|(row, column)| {
         let words = window(raw, geometry, row, column);
         let last = words.len() / 2 - 1;
-        let beat = |(i, two): (usize, &[i16])| vec![pair([two[0], two[1]]), u64::from(i == last), set];
+        let beat = |(i, two): (usize, &[InputWord])| vec![pair([two[0], two[1]]), u64::from(i == last), set];
         words.chunks_exact(2).enumerate().map(beat).collect::<Vec<_>>()
     });
     beats.collect()

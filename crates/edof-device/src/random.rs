@@ -18,7 +18,7 @@ use crate::Design;
 use edof_core::camera::Camera;
 use edof_core::colour::{OUTPUTS_422, RGB_OUTPUTS};
 use edof_core::draw::Draw;
-use edof_core::number::{INPUT_FRACTION, OUTPUT_FRACTION};
+use edof_core::number::{INPUT_FRACTION, InputWord, OUTPUT_FRACTION};
 use edof_core::overlap::Overlap;
 use edof_core::{Stride, Window};
 use edof_network::fixed_network::FixedMatrix;
@@ -26,9 +26,9 @@ use edof_network::network::{Form, Origin, Recurrence, Shrinkage};
 use edof_network::{FixedNetwork, Network};
 use ndarray::{Array1, Array2};
 
-/// Input words of one window: all of them 0…32767, often at the ends.
-pub fn extreme_window(draw: &mut Draw, pixels: usize) -> Vec<i16> {
-    (0..pixels).map(|_| draw.extreme(16).max(0)).collect()
+/// Input words of one window: all of them 0 or more, often at the ends.
+pub fn extreme_window(draw: &mut Draw, pixels: usize) -> Vec<InputWord> {
+    (0..pixels).map(|_| InputWord::from_bits(draw.extreme(16).max(0))).collect()
 }
 
 /// A network of the given form whose weights and thresholds lie anywhere in their range, mostly at its ends. Its fraction bits

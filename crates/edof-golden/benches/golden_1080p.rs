@@ -5,6 +5,7 @@
 
 use divan::{Bencher, counter::ItemsCount};
 use edof_core::draw::Draw;
+use edof_core::number::OutputWord;
 use edof_core::{CfaPhase, DisplayMode, Frame422, RawFrame};
 use edof_golden::Golden;
 use edof_golden::frame::scalar_frame;
@@ -49,7 +50,9 @@ fn fast(bencher: Bencher<'_, '_>, named: &Named, size: (usize, usize)) {
 #[divan::bench(args = DisplayMode::ALL, sample_count = 5, sample_size = 1)]
 fn display(bencher: Bencher<'_, '_>, mode: DisplayMode) {
     let draw = &mut Draw::new(3);
-    let mut words = |columns| Array2::from_shape_fn((1080, columns), |_| draw.whole(-2_000, 18_000) as i16);
+    let mut words = |columns| {
+        Array2::from_shape_fn((1080, columns), |_| OutputWord::from_bits(draw.whole(-2_000, 18_000) as i16))
+    };
     let frame = Frame422 { luma: words(1920), chroma: [words(960), words(960)] };
     let display = Display::new(mode, Curve::Srgb);
     bencher

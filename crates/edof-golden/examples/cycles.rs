@@ -2,6 +2,7 @@
 //!
 //! `cargo run --release -p edof-golden --example cycles -- DESIGN.json NETWORK.fixed.safetensors RAW.png` (RAW.png as for `throughput`)
 
+use edof_core::number::InputWord;
 use edof_core::{CfaPhase, Geometry, RawFrame};
 use edof_device::Design;
 use edof_device::design::memory::Set;
@@ -31,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (rows, columns) = geometry.patches(height, width);
     let mirrored = Mirrored::new(&raw, geometry);
     let windows = (0..rows * columns).map(|i| {
-        let mut window = vec![0; network.form.window.pixels()];
+        let mut window = vec![InputWord::ZERO; network.form.window.pixels()];
         mirrored.copy_window(i / columns, i % columns, &mut window);
         Patch { window, set: Set::First }
     });

@@ -47,6 +47,7 @@ impl Golden {
 mod tests {
     use super::*;
     use crate::{scalar, windows};
+    use edof_core::number::bits_of;
     use edof_core::{CfaPhase, Stride, Window};
     use edof_network::network::{Form, Recurrence, Shrinkage};
     use ndarray::Array2;
@@ -81,8 +82,8 @@ mod tests {
                 .map(|((row, column), luma)| u16::from(chroma(row, column)) * 256 + u16::from(*luma));
             let expected = FrameChecks {
                 raw: of_words(raw.pixels().iter().copied()),
-                windows: crc(&|trace| trace.input.clone()),
-                stages: sent.chain([crc(&|trace| trace.output.clone())]).collect(),
+                windows: crc(&|trace| bits_of(&trace.input).to_vec()),
+                stages: sent.chain([crc(&|trace| bits_of(&trace.output).to_vec())]).collect(),
                 codes: of_words(codes),
             };
             assert_eq!(golden.checks(&Display::default(), &raw).unwrap(), expected);

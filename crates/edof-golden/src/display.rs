@@ -5,12 +5,12 @@
 //! doubled so that nothing is lost), so that all CFA phases leave in the raw frame's size with chroma sited at even columns.
 
 use crate::fast::isa::{Isa, for_each_isa};
-use crate::gamma::{ColourTable, Curve, LumaTable};
+use crate::gamma::{ColourTable, Curve, LumaTable, index};
 use edof_core::display::{
-    BLACK, CHROMA_ZERO, CODES, COLOUR_ADDRESS_BITS, DisplayMode, SINK_CHROMA, SINK_LUMA, SINK_SHIFT,
-    TO_CHROMA, TO_CHROMA_SHIFT, TO_LUMA, TO_LUMA_SHIFT, TO_RGB, TO_RGB_SHIFT,
+    BLACK, CHROMA_ZERO, CODES, DisplayMode, SINK_CHROMA, SINK_LUMA, TO_CHROMA, TO_LUMA, TO_RGB, ToChroma,
+    ToRgb,
 };
-use edof_core::number::CHROMA_SHIFT;
+use edof_core::number::{ChromaCodes, OutputSum, OutputWord, TableIndex, nearest_whole};
 use edof_core::{ColourFrame, Frame422, Tone};
 use edof_network::FixedNetwork;
 use ndarray::{Array2, Array3, ArrayViewMut1};
@@ -143,7 +143,7 @@ impl Display {
         }
         for (doubled, codes) in words.doubled_chroma(isa, buffers).into_iter().zip(&mut codes.chroma) {
             for (sent, doubled) in codes.iter_mut().zip(doubled.iter().step_by(2)) {
-                let code = CHROMA_ZERO + rounded(*doubled, CHROMA_SHIFT + 1);
+                let code = CHROMA_ZERO + nearest_whole(ChromaCodes::from_bits(doubled.to_bits()));
                 *sent = wire(code);
                 counts.clamped_chroma += u64::from(i32::from(*sent) != code);
             }
@@ -162,13 +162,12 @@ fn colour(
 ) -> DisplayCounts {
     let width = words.luma.len();
     let mut light = std::mem::take(&mut buffers.light);
-    light.iter_mut().for_each(|plane| plane.resize(width, 0));
+    light.iter_mut().for_each(|plane| plane.resize(width, TableIndex::ZERO));
     let doubled = words.doubled_chroma(isa, buffers);
     let out_of_gamut = light_line(isa, words.luma, doubled, &mut light);
-    for (plane, table) in light.iter_mut().zip(tables) {
-        table.encode(plane);
-    }
-    let encoded = light.each_ref().map(Vec::as_slice);
+    let [red, green, blue] = &mut light;
+    let encoded =
+        [tables[0].encode(red), tables[1].encode(green), tables[2].encode(blue)].map(|entries| &*entries);
     luma_codes(isa, encoded, codes.luma.as_slice_mut().unwrap_or_default());
     for (codes, row) in codes.chroma.iter_mut().zip(TO_CHROMA) {
         chroma_codes(isa, row, encoded, codes.as_slice_mut().unwrap_or_default());
@@ -181,45 +180,45 @@ fn colour(
 #[derive(Debug, Default)]
 struct Buffers {
     /// Twice Cb and Cr at every pixel of the enlarged frame.
-    doubled: [Vec<i32>; 2],
-    /// Red, green and blue of every pixel: a table's address, then its entry.
-    light: [Vec<u16>; 3],
+    doubled: [Vec<OutputSum>; 2],
+    /// Red, green and blue of every pixel: a table's index, then its entry.
+    light: [Vec<TableIndex>; 3],
 }
 
 for_each_isa! {
     /// Red, green and blue light of a line as addresses of the tables, the nearest there is; gives how many pixels no screen has.
-    fn light_line(luma: &[i16], doubled: [&[i32]; 2], light: &mut [Vec<u16>; 3]) -> u64 {
+    fn light_line(luma: &[OutputWord], doubled: [&[OutputSum]; 2], light: &mut [Vec<TableIndex>; 3]) -> u64 {
         let [red, green, blue] = light;
         let mut out_of_gamut = 0u32;
         let each = luma.iter().zip(doubled[0]).zip(doubled[1]);
         for (((((luma, cb), cr), red), green), blue) in each.zip(red).zip(green).zip(blue) {
             let [r, g, b] = light_of(*luma, [*cb, *cr]);
             let (min, max) = (r.min(g).min(b), r.max(g).max(b));
-            out_of_gamut += u32::from((min < 0) | (max > 1 << COLOUR_ADDRESS_BITS));
-            let address = |light: i32| light.clamp(0, (1 << COLOUR_ADDRESS_BITS) - 1) as u16;
-            (*red, *green, *blue) = (address(r), address(g), address(b));
+            out_of_gamut += u32::from((min < OutputSum::ZERO) | (max > OutputSum::ONE));
+            (*red, *green, *blue) = (index(r), index(g), index(b));
         }
         out_of_gamut.into()
     }
 }
 
-/// Red, green and blue light of a pixel, with as many fraction bits as its luma word.
+/// Red, green and blue light of a pixel, the nearest that has the fraction bits of its luma word.
 #[inline(always)]
-fn light_of(luma: i16, doubled: [i32; 2]) -> [i32; 3] {
-    TO_RGB.map(|row| i32::from(luma) + from_chroma(row, doubled))
+fn light_of(luma: OutputWord, doubled: [OutputSum; 2]) -> [OutputSum; 3] {
+    TO_RGB.map(|row| OutputSum::from(luma) + from_chroma(row, doubled))
 }
 
-/// (Σ coefficient·doubled + 2^16) >> 17, in 32 bits: a coefficient's whole part passes the shift, and so does half of the doubled word
-/// except for its last bit.
+/// Σ coefficient·doubled, rounded, in 32 bits of integers: a coefficient's whole part passes the shift, and so does half of the doubled
+/// word except for its last bit. Products of `fixed` would take 64 bits.
 #[inline(always)]
-fn from_chroma(coefficients: [i32; 2], doubled: [i32; 2]) -> i32 {
-    const SHIFT: u32 = TO_RGB_SHIFT - 1;
+fn from_chroma(coefficients: [ToRgb; 2], doubled: [OutputSum; 2]) -> OutputSum {
+    const SHIFT: u32 = ToRgb::FRAC_NBITS - 1;
     let whole = |coefficient: i32| (coefficient + (1 << (SHIFT - 1))) >> SHIFT;
     let rest = |coefficient: i32| coefficient - (whole(coefficient) << SHIFT);
-    let ([of_cb, of_cr], [cb, cr]) = (coefficients, [doubled[0] >> 1, doubled[1] >> 1]);
+    let ([of_cb, of_cr], doubled) = (coefficients.map(ToRgb::to_bits), doubled.map(OutputSum::to_bits));
+    let [cb, cr] = [doubled[0] >> 1, doubled[1] >> 1];
     let last = of_cb * (doubled[0] & 1) + of_cr * (doubled[1] & 1);
     let fraction = rest(of_cb) * cb + rest(of_cr) * cr + ((last + (1 << SHIFT)) >> 1);
-    whole(of_cb) * cb + whole(of_cr) * cr + (fraction >> SHIFT)
+    OutputSum::from_bits(whole(of_cb) * cb + whole(of_cr) * cr + (fraction >> SHIFT))
 }
 
 for_each_isa! {
@@ -227,33 +226,24 @@ for_each_isa! {
     fn luma_codes(encoded: [&[u16]; 3], codes: &mut [u8]) -> () {
         let [red, green, blue] = encoded;
         for (((code, red), green), blue) in codes.iter_mut().zip(red).zip(green).zip(blue) {
-            *code = wire(i32::from(BLACK) + rounded(sum(TO_LUMA, [*red, *green, *blue].map(i32::from)), TO_LUMA_SHIFT));
+            let [r, g, b] = TO_LUMA;
+            let sum = r * i32::from(*red) + g * i32::from(*green) + b * i32::from(*blue);
+            *code = wire(i32::from(BLACK) + nearest_whole(sum));
         }
     }
 }
 
 for_each_isa! {
     /// Chroma codes of encoded red, green and blue, filtered at even columns; before the first column the line is mirrored about it.
-    fn chroma_codes(row: [i32; 3], encoded: [&[u16]; 3], codes: &mut [u8]) -> () {
+    fn chroma_codes(row: [ToChroma; 3], encoded: [&[u16]; 3], codes: &mut [u8]) -> () {
         let [red, green, blue] = encoded.map(|plane| &plane[..2 * codes.len()]);
         for (pair, code) in codes.iter_mut().enumerate() {
             let (x, before) = (2 * pair, if pair == 0 { 1 } else { 2 * pair - 1 });
             let filtered = |plane: &[u16]| i32::from(plane[before] + 2 * plane[x] + plane[x + 1]);
-            let rgb = [filtered(red), filtered(green), filtered(blue)];
-            *code = wire(CHROMA_ZERO + rounded(sum(row, rgb), TO_CHROMA_SHIFT));
+            let sum = row[0] * filtered(red) + row[1] * filtered(green) + row[2] * filtered(blue);
+            *code = wire(CHROMA_ZERO + nearest_whole(sum));
         }
     }
-}
-
-/// Σ coefficient·value: below 2³¹ for all encoded values.
-#[inline(always)]
-fn sum(coefficients: [i32; 3], values: [i32; 3]) -> i32 {
-    coefficients[0] * values[0] + coefficients[1] * values[1] + coefficients[2] * values[2]
-}
-
-/// (value + 2^(shift−1)) >> shift: ties toward +∞.
-const fn rounded(value: i32, shift: u32) -> i32 {
-    (value + (1 << (shift - 1))) >> shift
 }
 
 /// Nearest code that is not a sync.
@@ -265,15 +255,15 @@ fn wire(code: i32) -> u8 {
 /// A line of words, seen from the raw frame's first column.
 struct Line<'a> {
     /// Of the raw frame's columns.
-    luma: &'a [i16],
+    luma: &'a [OutputWord],
     /// Cb and Cr of the enlarged frame's.
-    chroma: [&'a [i16]; 2],
+    chroma: [&'a [OutputWord]; 2],
     left: usize,
 }
 
 impl<'a> Line<'a> {
     fn new(frame: &'a Frame422, row: usize, left: usize, width: usize) -> Self {
-        let line = |plane: &'a Array2<i16>| {
+        let line = |plane: &'a Array2<OutputWord>| {
             let words = plane.as_slice().unwrap_or_default();
             &words[row * plane.ncols()..][..plane.ncols()]
         };
@@ -282,12 +272,12 @@ impl<'a> Line<'a> {
 
     /// Twice Cb and Cr at every pixel: twice the word at a site, the sum of both neighbours between sites; after the last site twice
     /// its word.
-    fn doubled_chroma<'b>(&self, isa: Isa, buffers: &'b mut Buffers) -> [&'b [i32]; 2] {
+    fn doubled_chroma<'b>(&self, isa: Isa, buffers: &'b mut Buffers) -> [&'b [OutputSum]; 2] {
         for (doubled, words) in buffers.doubled.iter_mut().zip(self.chroma) {
-            doubled.resize(2 * words.len(), 0);
+            doubled.resize(2 * words.len(), OutputSum::ZERO);
             between_sites(isa, words, doubled.as_chunks_mut().0);
             if let (Some(end), Some(word)) = (doubled.as_chunks_mut().0.last_mut(), words.last()) {
-                *end = [2 * i32::from(*word); 2];
+                *end = [OutputSum::from(*word) * 2; 2];
             }
         }
         buffers.doubled.each_ref().map(|doubled| &doubled[self.left..][..self.luma.len()])
@@ -296,10 +286,10 @@ impl<'a> Line<'a> {
 
 for_each_isa! {
     /// Twice the words of all sites but the last, and their sums with the next.
-    fn between_sites(words: &[i16], doubled: &mut [[i32; 2]]) -> () {
+    fn between_sites(words: &[OutputWord], doubled: &mut [[OutputSum; 2]]) -> () {
         for (two, words) in doubled.iter_mut().zip(words.windows(2)) {
-            let [word, next] = [0, 1].map(|i| i32::from(words[i]));
-            *two = [2 * word, word + next];
+            let [word, next] = [0, 1].map(|i| OutputSum::from(words[i]));
+            *two = [word * 2, word + next];
         }
     }
 }
@@ -351,7 +341,7 @@ impl Picture {
             });
             for (plane, [cb, cr]) in SINK_CHROMA.into_iter().enumerate() {
                 let sum = SINK_LUMA * (i32::from(luma) - i32::from(BLACK)) + cb * chroma[0] + cr * chroma[1];
-                planes[(plane, row, x)] = rounded(sum, SINK_SHIFT).clamp(0, 255) as u8;
+                planes[(plane, row, x)] = nearest_whole(sum).clamp(0, 255) as u8;
             }
         }
         planes

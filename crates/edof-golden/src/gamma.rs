@@ -2,11 +2,16 @@
 
 use edof_core::colour::{srgb_decode, srgb_encode};
 use edof_core::display::{BLACK, CODES, COLOUR_ADDRESS_BITS, COLOUR_ENTRY_BITS, LUMA_CODES, LUMA_ENTRIES};
-use edof_core::number::OUTPUT_FRACTION;
+use edof_core::number::{OutputSum, OutputWord, TableIndex, bits_of_mut};
 use edof_core::{ColourFrame, Tone};
 
 /// Entries of a colour's table.
 const COLOUR_ENTRIES: usize = 1 << COLOUR_ADDRESS_BITS;
+/// Returns the first words from 0 on.
+fn words(count: usize) -> impl Iterator<Item = OutputWord> {
+    (0..count).map(|word| OutputWord::from_bits(word as i16))
+}
+
 /// Largest entry of a colour's table: light of 1.
 const COLOUR_MAX: u16 = (1 << COLOUR_ENTRY_BITS) - 1;
 
@@ -43,10 +48,9 @@ impl Curve {
         light
     }
 
-    /// The curve at a word with [`OUTPUT_FRACTION`] fraction bits, times `scale`, plus `zero`; rounded, ties up. Words of 1 and above
-    /// are white.
-    fn entry(self, values: Tone, word: usize, scale: f64, zero: f64) -> f64 {
-        let value = (word as f64 / f64::from(1 << OUTPUT_FRACTION)).min(1.0);
+    /// Returns the curve at a word, times `scale`, plus `zero`; rounded, ties up. Words of 1 and above are white.
+    fn entry(self, values: Tone, word: OutputWord, scale: f64, zero: f64) -> f64 {
+        let value = f64::from(word).min(1.0);
         let encoded = match (values, self) {
             (Tone::Srgb, Self::Srgb) => value,
             (Tone::Srgb, _) => self.encode(srgb_decode(value)),
@@ -83,7 +87,7 @@ impl LumaTable {
     #[must_use]
     pub fn of_values(values: Tone, curve: Curve) -> Self {
         let entry = |word| curve.entry(values, word, LUMA_CODES, f64::from(BLACK)) as u8;
-        Self((0..LUMA_ENTRIES).map(entry).collect())
+        Self(words(LUMA_ENTRIES).map(entry).collect())
     }
 
     /// A table of the user.
@@ -104,8 +108,8 @@ impl LumaTable {
 
     /// The code of a luma word.
     #[must_use]
-    pub fn code(&self, word: i16) -> u8 {
-        self.0[word.max(0) as usize]
+    pub fn code(&self, word: OutputWord) -> u8 {
+        self.0[word.max(OutputWord::ZERO).to_bits() as usize]
     }
 }
 
@@ -124,7 +128,7 @@ impl ColourTable {
     #[must_use]
     pub fn of_values(values: Tone, curve: Curve) -> Self {
         let entry = |word| curve.entry(values, word, f64::from(COLOUR_MAX), 0.0) as u16;
-        Self((0..COLOUR_ENTRIES).map(entry).collect())
+        Self(words(COLOUR_ENTRIES).map(entry).collect())
     }
 
     /// A table of the user.
@@ -142,20 +146,27 @@ impl ColourTable {
         &self.0
     }
 
-    /// The encoded value of light with [`OUTPUT_FRACTION`] fraction bits.
+    /// Returns the encoded value of light.
     #[must_use]
-    pub fn encoded(&self, light: i32) -> i32 {
-        i32::from(self.0[light.clamp(0, COLOUR_ENTRIES as i32 - 1) as usize])
+    pub fn encoded(&self, light: OutputSum) -> u16 {
+        self.0[usize::from(index(light).to_bits())]
     }
 
-    /// Puts the entries in the place of their addresses, which are below 2^14.
-    pub fn encode(&self, addresses: &mut [u16]) {
+    /// Puts the entries in the place of their indices, and returns them.
+    pub fn encode<'a>(&self, light: &'a mut [TableIndex]) -> &'a mut [u16] {
+        let words = bits_of_mut(light);
         if let Some(entries) = self.0.first_chunk::<COLOUR_ENTRIES>() {
-            addresses
-                .iter_mut()
-                .for_each(|address| *address = entries[usize::from(*address) % COLOUR_ENTRIES]);
+            words.iter_mut().for_each(|word| *word = entries[usize::from(*word) % COLOUR_ENTRIES]);
         }
+        words
     }
+}
+
+/// Returns the index of light: what is below 0 or above the last entry reads the first or the last.
+#[inline(always)]
+pub(crate) fn index(light: OutputSum) -> TableIndex {
+    const LAST: OutputSum = OutputSum::from_bits(COLOUR_ENTRIES as i32 - 1);
+    TableIndex::from_bits(light.clamp(OutputSum::ZERO, LAST).to_bits() as u16)
 }
 
 fn check(
@@ -188,17 +199,19 @@ mod tests {
     fn black_white_and_what_lies_beyond() {
         for curve in CURVES {
             let luma = LumaTable::new(curve);
-            assert_eq!([i16::MIN, -1, 0].map(|w| luma.code(w)), [BLACK; 3]);
-            assert_eq!([1 << 14, i16::MAX].map(|w| luma.code(w)), [WHITE; 2]);
+            let code = |word| luma.code(OutputWord::from_bits(word));
+            assert_eq!([i16::MIN, -1, 0].map(code), [BLACK; 3]);
+            assert_eq!([1 << 14, i16::MAX].map(code), [WHITE; 2]);
             assert!(luma.entries().is_sorted());
             let colour = ColourTable::new(curve);
-            assert_eq!([-40_000, -1, 0].map(|light| colour.encoded(light)), [0; 3]);
-            assert_eq!([(1 << 14) - 1, 1 << 14, 80_000].map(|light| colour.encoded(light)), [4095; 3]);
+            let encoded = |light| colour.encoded(OutputSum::from_bits(light));
+            assert_eq!([-40_000, -1, 0].map(encoded), [0; 3]);
+            assert_eq!([(1 << 14) - 1, 1 << 14, 80_000].map(encoded), [4095; 3]);
             assert!(colour.entries().is_sorted());
         }
-        assert_eq!(LumaTable::new(Curve::Linear).code(1 << 13), 126);
-        assert_eq!(LumaTable::new(Curve::Srgb).code(3506), 125);
-        assert_eq!(ColourTable::new(Curve::Linear).encoded(1 << 13), 2048);
+        assert_eq!(LumaTable::new(Curve::Linear).code(OutputWord::lit("0.5")), 126);
+        assert_eq!(LumaTable::new(Curve::Srgb).code(OutputWord::from_bits(3506)), 125);
+        assert_eq!(ColourTable::new(Curve::Linear).encoded(OutputSum::lit("0.5")), 2048);
     }
 
     #[test]
@@ -209,9 +222,10 @@ mod tests {
             let (of_values, of_light) = (ColourTable::of_values(Tone::Srgb, curve), ColourTable::new(curve));
             for light in (0..1 << 14).step_by(97) {
                 let value = srgb_encode(f64::from(light) / f64::from(1 << 14));
-                let word = (value * f64::from(1 << 14)).round() as i32;
-                let (found, expected) = (of_values.encoded(word), of_light.encoded(light));
-                assert!((found - expected).abs() <= 2, "{curve:?} {light}: {found}, {expected}");
+                let word = OutputSum::from_bits((value * f64::from(1 << 14)).round() as i32);
+                let (found, expected) =
+                    (of_values.encoded(word), of_light.encoded(OutputSum::from_bits(light)));
+                assert!(found.abs_diff(expected) <= 2, "{curve:?} {light}: {found}, {expected}");
             }
         }
     }
@@ -247,10 +261,10 @@ mod tests {
     #[test]
     fn addresses_are_replaced_by_their_entries() {
         let table = ColourTable::new(Curve::Srgb);
-        let mut addresses: Vec<u16> = (0..1 << 14).rev().collect();
-        table.encode(&mut addresses);
-        assert!(addresses.iter().rev().eq(table.entries()));
-        assert!((0..1 << 14).all(|light| table.encoded(light) == i32::from(table.entries()[light as usize])));
+        let mut light: Vec<TableIndex> = (0..1 << 14).rev().map(TableIndex::from_bits).collect();
+        assert!(table.encode(&mut light).iter().rev().eq(table.entries()));
+        let encoded = |light| table.encoded(OutputSum::from_bits(light));
+        assert!((0..1 << 14).all(|light| encoded(light) == table.entries()[light as usize]));
     }
 
     #[test]

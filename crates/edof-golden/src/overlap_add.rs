@@ -6,8 +6,8 @@
 use crate::fast::isa::{Isa, for_each_isa};
 use crate::trace::Counts;
 use edof_core::geometry::{PATCH, PATCH_PIXELS};
+use edof_core::number::{OutputSum, OutputWord};
 use edof_core::{Frame422, Geometry};
-use ndarray::Array2;
 use std::ops::Range;
 
 /// Sums of words over a band of lines.
@@ -20,19 +20,19 @@ pub struct Band {
 /// Sums of one kind of words, line by line.
 #[derive(Debug, Clone)]
 struct Plane {
-    sums: Vec<i32>,
+    sums: Vec<OutputSum>,
     width: usize,
 }
 
 /// Some lines of a 4:2:2 frame to be filled: luma, Cb, Cr.
 #[derive(Debug)]
-pub struct Lines<'a>([&'a mut [i16]; 3]);
+pub struct Lines<'a>([&'a mut [OutputWord]; 3]);
 
 impl Band {
     /// An empty band of `rows`×`width` pixels (`width` even).
     #[must_use]
     pub fn new(rows: usize, width: usize) -> Self {
-        let plane = |width| Plane { sums: vec![0; rows * width], width };
+        let plane = |width| Plane { sums: vec![OutputSum::ZERO; rows * width], width };
         Self { planes: [width, width / 2, width / 2].map(plane) }
     }
 
@@ -40,13 +40,13 @@ impl Band {
     pub fn clear(&mut self, rows: usize, width: usize) {
         for (plane, width) in self.planes.iter_mut().zip([width, width / 2, width / 2]) {
             plane.sums.clear();
-            plane.sums.resize(rows * width, 0);
+            plane.sums.resize(rows * width, OutputSum::ZERO);
             plane.width = width;
         }
     }
 
     /// Adds a patch of 128 words whose corner lies at `row`, `column` (even); what lies outside the band is left out.
-    pub fn add_patch(&mut self, words: &[i16], row: isize, column: isize) {
+    pub fn add_patch(&mut self, words: &[OutputWord], row: isize, column: isize) {
         let (luma, chroma) = words.split_at(PATCH_PIXELS);
         let (cb, cr) = chroma.split_at(PATCH_PIXELS / 2);
         let [sums_luma, sums_cb, sums_cr] = &mut self.planes;
@@ -82,7 +82,7 @@ impl Band {
 
 impl Plane {
     /// Adds a block of lines `SIDE` words long at `row`, `column`, cut at the plane's borders.
-    fn add_block<const SIDE: usize>(&mut self, block: &[i16], row: isize, column: isize) {
+    fn add_block<const SIDE: usize>(&mut self, block: &[OutputWord], row: isize, column: isize) {
         let hidden = |start: isize| usize::try_from(-start).unwrap_or(0);
         let visible = |start: isize| usize::try_from(start).unwrap_or(0);
         let lines = self.sums.chunks_exact_mut(self.width).skip(visible(row));
@@ -97,7 +97,13 @@ impl Plane {
 }
 
 /// Writes a block of lines `SIDE` words long into a plane's lines.
-fn put_block<const SIDE: usize>(plane: &mut [i16], width: usize, block: &[i16], row: usize, column: usize) {
+fn put_block<const SIDE: usize>(
+    plane: &mut [OutputWord],
+    width: usize,
+    block: &[OutputWord],
+    row: usize,
+    column: usize,
+) {
     let lines = plane.chunks_exact_mut(width).skip(row);
     for (line, words) in lines.zip(block.as_chunks::<SIDE>().0) {
         let line = &mut line[column..];
@@ -110,18 +116,19 @@ fn put_block<const SIDE: usize>(plane: &mut [i16], width: usize, block: &[i16], 
 
 /// Adds words to sums.
 #[inline]
-fn add(sums: &mut [i32], words: &[i16]) {
-    sums.iter_mut().zip(words).for_each(|(sum, word)| *sum += i32::from(*word));
+fn add(sums: &mut [OutputSum], words: &[OutputWord]) {
+    sums.iter_mut().zip(words).for_each(|(sum, word)| *sum += OutputSum::from(*word));
 }
 
 for_each_isa! {
     /// Saturates sums to words and gives how many did not fit.
-    fn saturated(sums: &[i32], words: &mut [i16]) -> u64 {
+    fn saturated(sums: &[OutputSum], words: &mut [OutputWord]) -> u64 {
         let mut clipped = 0u32;
         for (word, sum) in words.iter_mut().zip(sums) {
-            let held = (*sum).clamp(i16::MIN.into(), i16::MAX.into());
+            // `saturating_from_num` takes four times as long.
+            let held = (*sum).clamp(OutputWord::MIN.into(), OutputWord::MAX.into());
             clipped += u32::from(held != *sum);
-            *word = held as i16;
+            *word = OutputWord::wrapping_from_num(held);
         }
         clipped.into()
     }
@@ -137,7 +144,7 @@ impl<'a> Lines<'a> {
 
     /// Writes a patch of 128 words that no other overlaps, its corner at `row`, `column` (even) of lines of `width` pixels; what lies
     /// outside is left out.
-    pub fn put_patch(&mut self, width: usize, words: &[i16], row: usize, column: usize) {
+    pub fn put_patch(&mut self, width: usize, words: &[OutputWord], row: usize, column: usize) {
         let (luma, chroma) = words.split_at(PATCH_PIXELS);
         let (cb, cr) = chroma.split_at(PATCH_PIXELS / 2);
         let [lines_luma, lines_cb, lines_cr] = &mut self.0;
@@ -165,24 +172,17 @@ impl<'a> Lines<'a> {
 pub fn overlap_add(
     geometry: Geometry,
     (height, width): (usize, usize),
-    mut words: impl FnMut(usize, usize) -> Vec<i16>,
+    mut words: impl FnMut(usize, usize) -> Vec<OutputWord>,
     counts: &mut Counts,
 ) -> Frame422 {
     let (rows, columns) = geometry.patches(height, width);
     let mut band = Band::new(height, width);
-    let mut frame = empty_frame(height, width);
+    let mut frame = Frame422::zeros(height, width);
     for (row, column) in (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))) {
         band.add_patch(&words(row, column), geometry.patch_start(row), geometry.patch_start(column));
     }
     counts.saturated_sums += band.finish(0, &mut Lines::of(&mut frame));
     frame
-}
-
-/// A frame of zeros.
-#[must_use]
-pub fn empty_frame(height: usize, width: usize) -> Frame422 {
-    let chroma = || Array2::zeros((height, width / 2));
-    Frame422 { luma: Array2::zeros((height, width)), chroma: [chroma(), chroma()] }
 }
 
 #[cfg(test)]
@@ -197,11 +197,12 @@ mod tests {
             let stride = Stride::new(step).unwrap();
             let g = Geometry::new(Window::new(8).unwrap(), stride);
             let weights = Overlap::Flat.weights(stride);
-            let patch: Vec<i16> = (0..128).map(|i| (weights[(i / 8 % 8, i % 8)] * 8192.0) as i16).collect();
+            let patch: Vec<OutputWord> =
+                (0..128).map(|i| OutputWord::from_num(weights[(i / 8 % 8, i % 8)] * 0.5)).collect();
             let mut counts = Counts::new(2);
             let frame = overlap_add(g, (18, 22), |_, _| patch.clone(), &mut counts);
-            assert!(frame.luma.iter().all(|v| *v == 8192), "stride {step}");
-            assert!(frame.chroma.iter().flatten().all(|v| *v == 8192), "stride {step}");
+            assert!(frame.luma.iter().all(|v| *v == 0.5), "stride {step}");
+            assert!(frame.chroma.iter().flatten().all(|v| *v == 0.5), "stride {step}");
             assert_eq!(counts, Counts::new(2));
         }
     }
@@ -209,22 +210,18 @@ mod tests {
     #[test]
     fn a_sum_saturates_once_at_its_end() {
         let g = Geometry::new(Window::new(8).unwrap(), Stride::new(4).unwrap());
-        let mut sign = 1;
         let mut counts = Counts::new(2);
-        // Two words of 30000 and two of −30000 over every pixel: 0, though partial sums pass 32767.
+        // Two words of 1.5 and two of −1.5 over every pixel: 0, though partial sums pass 2.
         let frame = overlap_add(
             g,
             (16, 16),
-            |_, column| {
-                sign = if column % 2 == 0 { 30000 } else { -30000 };
-                vec![sign; 128]
-            },
+            |_, column| vec![OutputWord::from_num(if column % 2 == 0 { 1.5 } else { -1.5 }); 128],
             &mut counts,
         );
         assert!(frame.luma.iter().all(|v| *v == 0));
         assert_eq!(counts.saturated_sums, 0);
-        let frame = overlap_add(g, (16, 16), |_, _| vec![-30000; 128], &mut counts);
-        assert!(frame.luma.iter().all(|v| *v == i16::MIN));
+        let frame = overlap_add(g, (16, 16), |_, _| vec![OutputWord::from_num(-1.5); 128], &mut counts);
+        assert!(frame.luma.iter().all(|v| *v == OutputWord::MIN));
         assert_eq!(counts.saturated_sums, 2 * 256);
     }
 }

@@ -2,7 +2,7 @@
 //! [`edof_network::fixed_network`]. Slow and plain on purpose; [`crate::fast`] must give the same [`Trace`].
 
 use crate::trace::{LayerWords, StageCounts, Trace};
-use edof_core::number::{requantize, saturate};
+use edof_core::number::{InputWord, OutputWord, bits_of, requantize, saturate};
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::FixedMatrix;
 use edof_network::network::Recurrence;
@@ -12,8 +12,8 @@ const OUTPUT_BITS: u32 = 16;
 
 /// Runs the network on a window's input words (`window.pixels()` of them) and keeps every boundary.
 #[must_use]
-pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
-    let bits = network.code_bits;
+pub fn run(network: &FixedNetwork, window: &[InputWord]) -> Trace {
+    let (y, code_bits) = (bits_of(window), network.code_bits);
     let shift = network.analysis_shift();
     let mut layers: Vec<LayerWords> = Vec::with_capacity(network.form.shrinkages());
     let mut stages = vec![StageCounts::default(); network.form.layers];
@@ -23,7 +23,7 @@ pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
         let b: Vec<i16> = (0..network.form.codes)
             .map(|row| {
                 let (word, saturated) = if t == 0 {
-                    requantize(product(&network.analysis, row, y), shift, bits)
+                    requantize(product(&network.analysis, row, y), shift, code_bits)
                 } else {
                     let (before, shifts) = (&layers[t - 1], network.middle_shifts(t - 1));
                     let base = match network.form.recurrence {
@@ -31,7 +31,7 @@ pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
                         Recurrence::Difference => before.b[row],
                     };
                     let sum = product(network.recurrent_matrix(t - 1), row, &before.sent);
-                    requantize((i64::from(base) << shifts.base) + sum, shifts.result, bits)
+                    requantize((i64::from(base) << shifts.base) + sum, shifts.result, code_bits)
                 };
                 counts.saturated_results += u64::from(saturated);
                 word
@@ -41,7 +41,7 @@ pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
             .iter()
             .zip(&network.thresholds[t])
             .map(|(&b, &theta)| {
-                let (word, saturated) = network.form.shrinkage.word(b, theta, bits);
+                let (word, saturated) = network.form.shrinkage.word(b, theta, code_bits);
                 counts.saturated_codes += u64::from(saturated);
                 word
             })
@@ -50,7 +50,7 @@ pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
             (0..z.len())
                 .map(|i| {
                     let before = if t == 0 { 0 } else { layers[t - 1].z[i] };
-                    let (word, saturated) = saturate(i64::from(z[i]) - i64::from(before), bits);
+                    let (word, saturated) = saturate(i64::from(z[i]) - i64::from(before), code_bits);
                     counts.saturated_differences += u64::from(saturated);
                     word
                 })
@@ -71,10 +71,10 @@ pub fn run(network: &FixedNetwork, y: &[i16]) -> Trace {
             let linear = network.linear_path.as_ref().map_or(0, |r| product(r, row, y) << shifts.linear_path);
             let (word, saturated) = requantize(dictionary + linear, shifts.result, OUTPUT_BITS);
             counts.saturated_results += u64::from(saturated);
-            word
+            OutputWord::from_bits(word)
         })
         .collect();
-    Trace { input: y.to_vec(), layers, output, stages }
+    Trace { input: window.to_vec(), layers, output, stages }
 }
 
 /// Whether stage `t` (0 = I) sends z_t − z_{t−1}: in the difference form, where the next stage is an M.

@@ -2,11 +2,11 @@
 
 use crate::fast::Batch;
 use crate::frame::{Golden, GoldenFrame};
-use crate::overlap_add::{Band, Lines, empty_frame};
+use crate::overlap_add::{Band, Lines};
 use crate::trace::Counts;
 use crate::windows::Mirrored;
-use edof_core::RawFrame;
 use edof_core::geometry::{GeometryError, PATCH};
+use edof_core::{Frame422, RawFrame};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -63,7 +63,7 @@ impl<'a> Stream<'a> {
             golden,
             workers: (0..rayon::current_num_threads()).map(|_| None).collect(),
             last: GoldenFrame {
-                frame: empty_frame(0, 0),
+                frame: Frame422::zeros(0, 0),
                 offset: (0, 0),
                 size: (0, 0),
                 counts: Counts::default(),
@@ -87,7 +87,7 @@ impl<'a> Stream<'a> {
         let (golden, last) = (self.golden, &mut self.last);
         let (height, width) = aligned.size();
         if last.frame.luma.dim() != (height, width) {
-            last.frame = empty_frame(height, width);
+            last.frame = Frame422::zeros(height, width);
         }
         (last.offset, last.size) = (offset, raw.size());
         let mut strips = strips(golden, Lines::of(&mut last.frame), height, width);

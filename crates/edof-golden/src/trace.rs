@@ -1,6 +1,7 @@
 //! What a stage hands to the next, and what its counters say.
 
 use edof_core::colour::OUTPUTS_422;
+use edof_core::number::{InputWord, OutputWord};
 use edof_core::reconstructor::{Counters, Multiplications};
 use edof_network::FixedNetwork;
 
@@ -8,11 +9,11 @@ use edof_network::FixedNetwork;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Trace {
     /// y: the window's input words, row by row.
-    pub input: Vec<i16>,
+    pub input: Vec<InputWord>,
     /// What I and each M stage made, t = 1…T−1.
     pub layers: Vec<LayerWords>,
     /// F's 128 words: luma, Cb, Cr.
-    pub output: Vec<i16>,
+    pub output: Vec<OutputWord>,
     /// Counters of I, each M, F for this patch alone.
     pub stages: Vec<StageCounts>,
 }

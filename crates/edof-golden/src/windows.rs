@@ -1,7 +1,7 @@
 //! Windows: the input words that a network sees around a patch.
 
 use edof_core::geometry::{GeometryError, mirror};
-use edof_core::number::input_word;
+use edof_core::number::{InputWord, input_word};
 use edof_core::{Geometry, RawFrame};
 use edof_network::FixedNetwork;
 use std::ops::Range;
@@ -9,7 +9,7 @@ use std::ops::Range;
 /// Input words of the window around patch (`row`, `column`) of a red-first frame, row by row, mirrored at the borders.
 /// Reads like the specification; [`Mirrored`] gives the same words faster.
 #[must_use]
-pub fn window(raw: &RawFrame, geometry: Geometry, row: usize, column: usize) -> Vec<i16> {
+pub fn window(raw: &RawFrame, geometry: Geometry, row: usize, column: usize) -> Vec<InputWord> {
     let (height, width) = raw.size();
     let (top, left) = (geometry.window_start(row), geometry.window_start(column));
     let side = geometry.window.side() as isize;
@@ -26,7 +26,7 @@ pub fn window(raw: &RawFrame, geometry: Geometry, row: usize, column: usize) -> 
 pub fn all<'a>(
     network: &FixedNetwork,
     raw: &'a RawFrame,
-) -> Result<impl Iterator<Item = Vec<i16>> + use<'a>, GeometryError> {
+) -> Result<impl Iterator<Item = Vec<InputWord>> + use<'a>, GeometryError> {
     let geometry = Geometry::new(network.form.window, network.stride);
     let (height, width) = raw.size();
     geometry.check_frame((height, width))?;
@@ -37,7 +37,7 @@ pub fn all<'a>(
 /// The lines that some rows of patches see, as input words with the mirrored border around them, so that every window is a plain block.
 #[derive(Debug, Clone)]
 pub struct Mirrored {
-    words: Vec<i16>,
+    words: Vec<InputWord>,
     width: usize,
     geometry: Geometry,
     /// First row of patches.
@@ -82,7 +82,7 @@ impl Mirrored {
     }
 
     /// Writes the window around patch (`row`, `column`), one of the rows taken, into `out`, row by row.
-    pub fn copy_window(&self, row: usize, column: usize, out: &mut [i16]) {
+    pub fn copy_window(&self, row: usize, column: usize, out: &mut [InputWord]) {
         let side = self.geometry.window.side();
         let top = (row - self.first) * self.geometry.stride.pixels();
         let left = (self.geometry.window_start(column) + self.geometry.reach() as isize) as usize;
@@ -96,7 +96,7 @@ impl Mirrored {
 }
 
 /// Writes a block whose lines are `SIDE` words long: a length that the compiler knows makes them a few moves.
-fn copy_block<const SIDE: usize>(words: &[i16], width: usize, out: &mut [i16]) {
+fn copy_block<const SIDE: usize>(words: &[InputWord], width: usize, out: &mut [InputWord]) {
     for (line, out) in words.chunks(width).zip(out.as_chunks_mut::<SIDE>().0) {
         out.copy_from_slice(&line[..SIDE]);
     }
@@ -119,7 +119,7 @@ mod tests {
             let (rows, columns) = g.patches(height, width);
             for (r, c) in (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))) {
                 mirrored.take(&raw, r / 2 * 2..rows.min(r / 2 * 2 + 2));
-                let mut block = vec![0; side * side];
+                let mut block = vec![InputWord::ZERO; side * side];
                 mirrored.copy_window(r, c, &mut block);
                 assert_eq!(block, window(&raw, g, r, c), "window {side} stride {step} patch {r},{c}");
             }
@@ -133,7 +133,7 @@ mod tests {
         let g = Geometry::new(Window::new(12).unwrap(), Stride::PATCH);
         let first = window(&raw, g, 0, 0);
         // Window row 0, column 0 is frame row −2, column −2: pixel (2, 2), sensor value 42 of 9 bits.
-        assert_eq!(first[0], 42 << 6);
-        assert_eq!(first[2 * 12 + 2], 0);
+        assert_eq!(first[0].to_bits(), 42 << 6);
+        assert_eq!(first[2 * 12 + 2], InputWord::ZERO);
     }
 }

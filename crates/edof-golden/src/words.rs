@@ -6,6 +6,7 @@ use crate::trace::{LayerWords, Trace};
 use crate::windows::Mirrored;
 use edof_core::RawFrame;
 use edof_core::geometry::GeometryError;
+use edof_core::number::{InputWord, bits_of};
 use ndarray::Array3;
 use rayon::prelude::*;
 
@@ -32,7 +33,7 @@ impl Golden {
         let row_of_traces = |row| {
             let mut mirrored = Mirrored::empty(self.geometry());
             mirrored.take(&aligned, row..row + 1);
-            let mut windows = vec![0; columns * pixels];
+            let mut windows = vec![InputWord::ZERO; columns * pixels];
             let each = windows.chunks_exact_mut(pixels).enumerate();
             each.for_each(|(column, window)| mirrored.copy_window(row, column, window));
             self.fast().traces(&windows)
@@ -46,7 +47,7 @@ impl Golden {
             places.zip(&traces).for_each(|(place, trace)| place.copy_from_slice(part(trace)));
             Boundary { name, words }
         };
-        let mut all = vec![gather("y".to_owned(), &|trace| &trace.input)];
+        let mut all = vec![gather("y".to_owned(), &|trace| bits_of(&trace.input))];
         for t in 0..self.network().form.shrinkages() {
             let mut layer = |name: &str, part: fn(&LayerWords) -> &[i16]| {
                 all.push(gather(format!("{name}{}", t + 1), &|trace| part(&trace.layers[t])));
@@ -57,7 +58,7 @@ impl Golden {
                 layer("v", |layer| &layer.sent);
             }
         }
-        all.push(gather("f".to_owned(), &|trace| &trace.output));
+        all.push(gather("f".to_owned(), &|trace| bits_of(&trace.output)));
         Ok(all)
     }
 }
@@ -93,10 +94,11 @@ mod tests {
         let (aligned, _) = raw.to_rggb();
         let y = window(&aligned, golden.geometry(), 2, 3);
         let trace = scalar::run(&network, &y);
+        let y = bits_of(&y).to_vec();
         let expected = [&y, &trace.layers[0].b, &trace.layers[0].z, &trace.layers[0].sent];
         for (boundary, expected) in all.iter().zip(expected) {
             assert_eq!(boundary.words.slice(s![2, 3, ..]).to_vec(), *expected, "{}", boundary.name);
         }
-        assert_eq!(all[9].words.slice(s![2, 3, ..]).to_vec(), trace.output);
+        assert_eq!(all[9].words.slice(s![2, 3, ..]).to_vec(), bits_of(&trace.output));
     }
 }

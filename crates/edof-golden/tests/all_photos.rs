@@ -1,6 +1,7 @@
 //! Scalar and fast agree on every stage boundary of every window of all 24 photographs, for a network in `weights/` and an instruction
 //! set each (for every one of both in `scripts/soak.sh`), and so do the frames they add up to. Photographs: `EDOF_KODAK`, else `../shared/data/kodak` beside the project.
 
+use edof_core::number::InputWord;
 use edof_core::{CfaPhase, Geometry, RawFrame};
 use edof_golden::fast::{Fast, Isa};
 use edof_golden::overlap_add::overlap_add;
@@ -61,7 +62,8 @@ fn compare(network: &FixedNetwork, isas: &[Isa], path: &Path) {
         size,
         |row, column| {
             if row_of.0 != row {
-                let windows: Vec<i16> = (0..columns).flat_map(|c| window(&raw, geometry, row, c)).collect();
+                let windows: Vec<InputWord> =
+                    (0..columns).flat_map(|c| window(&raw, geometry, row, c)).collect();
                 row_of = (row, kernels.iter().map(|fast| fast.traces(&windows)).collect());
             }
             let trace = scalar::run(network, &window(&raw, geometry, row, column));

@@ -2,6 +2,7 @@
 //! what the committed designs take.
 
 use edof_core::draw::Draw;
+use edof_core::number::InputWord;
 use edof_core::{Stride, Window};
 use edof_device::Design;
 use edof_device::design::memory::{Set, Space, address};
@@ -90,8 +91,11 @@ fn patches(design: &Design, count: usize, seed: u64) -> Vec<Patch> {
     (0..count)
         .map(|_| {
             let dark = draw.whole(0, 4) == 0;
-            let window =
-                if dark { vec![0; pixels] } else { edof_device::random::extreme_window(draw, pixels) };
+            let window = if dark {
+                vec![InputWord::ZERO; pixels]
+            } else {
+                edof_device::random::extreme_window(draw, pixels)
+            };
             Patch { window, set: if draw.bits().is_multiple_of(2) { Set::First } else { Set::Second } }
         })
         .collect()
@@ -133,7 +137,7 @@ fn writes(design: &Design, seed: u64) -> Vec<(u64, u32, u32)> {
 fn specified(networks: [&FixedNetwork; 2], patches: &[Patch]) -> Vec<Trace> {
     let whole = |patch: &Patch, pixels: usize| {
         let mut window = patch.window.clone();
-        window.resize(pixels, 0);
+        window.resize(pixels, InputWord::ZERO);
         window
     };
     let trace = |patch: &Patch| {
@@ -150,7 +154,7 @@ fn misfits(mut patches: Vec<Patch>, seed: u64) -> Vec<Patch> {
         for patch in &mut patches {
             let beats = draw.whole(1, patch.window.len() as i64) as usize;
             if draw.whole(0, 2) == 0 {
-                patch.window.resize(2 * beats, 77);
+                patch.window.resize(2 * beats, InputWord::from_bits(77));
             }
         }
     }
@@ -209,10 +213,10 @@ fn beats_carry_what_the_receiver_needs() {
         assert_eq!(beat(1, 2).base, Some([codes[0].b[4], codes[0].b[5]]));
         assert_eq!(beat(2, 2).base, Some([base[4], base[5]]));
         assert_eq!([beat(0, 2).base, beat(3, 2).base, beat(4, 2).base], [None; 3]);
-        assert_eq!(beat(0, 2).words, [run.trace.input[4], run.trace.input[5]]);
+        assert_eq!(beat(0, 2).words, [4, 5].map(|at| run.trace.input[at].to_bits()));
         assert_eq!(beat(2, 2).words, [codes[1].sent[4], codes[1].sent[5]]);
         assert_eq!(beat(3, 2).words, [codes[2].z[4], codes[2].z[5]]);
-        assert_eq!(beat(4, 2).words, [run.trace.output[4], run.trace.output[5]]);
+        assert_eq!(beat(4, 2).words, [4, 5].map(|at| run.trace.output[at].to_bits()));
         assert_eq!(run.boundaries(), design.form.layers + 1);
         assert_eq!(beat(2, 7).words, [codes[1].sent[14], codes[1].sent[15]]);
         for boundary in 0..run.boundaries() {
@@ -327,8 +331,10 @@ fn natural_patches(design: &Design, count: usize) -> Vec<Patch> {
     (0..count)
         .map(|_| {
             let (level, slope, noise) = (draw.whole(500, 25_000), draw.whole(-150, 150), draw.whole(1, 300));
-            let pixel =
-                |i: i64| (level + slope * (i % side) + draw.whole(-noise, noise)).clamp(0, 32_767) as i16;
+            let pixel = |i: i64| {
+                let bits = (level + slope * (i % side) + draw.whole(-noise, noise)).clamp(0, 32_767);
+                InputWord::from_bits(bits as i16)
+            };
             Patch { window: (0..side * side).map(pixel).collect(), set: Set::First }
         })
         .collect()

@@ -2,6 +2,7 @@
 //! A changed hash means a changed contract (docs/contract.md), never a refactoring.
 
 use edof_core::draw::Draw;
+use edof_core::number::bits_of;
 use edof_core::storage::digest::sha256;
 use edof_core::{CfaPhase, RawFrame, Stride, Window};
 use edof_golden::{Display, Golden, Trace, scalar};
@@ -39,11 +40,11 @@ fn forms() -> [Form; 4] {
 /// Every word at every boundary and every count, in the order of the stages.
 fn bytes(trace: &Trace) -> Vec<u8> {
     let words = |words: &[i16]| words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
-    let mut all = words(&trace.input);
+    let mut all = words(bits_of(&trace.input));
     for layer in &trace.layers {
         all.extend([&layer.b, &layer.z, &layer.sent].into_iter().flat_map(|plane| words(plane)));
     }
-    all.extend(words(&trace.output));
+    all.extend(words(bits_of(&trace.output)));
     for stage in &trace.stages {
         all.extend([stage.saturations(), stage.nonzeros].into_iter().flat_map(u64::to_le_bytes));
     }

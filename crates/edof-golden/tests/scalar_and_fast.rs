@@ -1,6 +1,7 @@
 //! The fast pipeline equals the specification at every stage boundary, word for word and count for count.
 
 use edof_core::draw::Draw;
+use edof_core::number::InputWord;
 use edof_core::{CfaPhase, RawFrame, Stride, Window};
 use edof_golden::fast::{Fast, Isa};
 use edof_golden::frame::scalar_frame;
@@ -38,7 +39,7 @@ fn networks() -> impl Strategy<Value = FixedNetwork> {
     )
 }
 
-fn assert_same_traces(network: &FixedNetwork, windows: &[i16]) {
+fn assert_same_traces(network: &FixedNetwork, windows: &[InputWord]) {
     let pixels = network.form.window.pixels();
     let specified: Vec<_> = windows.chunks(pixels).map(|y| scalar::run(network, y)).collect();
     for isa in Isa::available() {
@@ -58,7 +59,7 @@ proptest! {
     fn every_boundary_of_extreme_windows_is_the_same(network in networks(), seed: u64) {
         let draw = &mut Draw::new(seed);
         let pixels = network.form.window.pixels();
-        let windows: Vec<i16> = (0..65).flat_map(|_| edof_device::random::extreme_window(draw, pixels)).collect();
+        let windows: Vec<InputWord> = (0..65).flat_map(|_| edof_device::random::extreme_window(draw, pixels)).collect();
         assert_same_traces(&network, &windows);
     }
 
@@ -96,7 +97,8 @@ fn words_that_are_all_at_one_end_are_the_same() {
         network.thresholds.iter_mut().for_each(|theta| theta.fill(min));
         network.check().unwrap();
         let pixels = form.window.pixels();
-        let windows = [vec![0; pixels], vec![i16::MAX; pixels], vec![1; pixels]].concat();
+        let windows =
+            [InputWord::ZERO, InputWord::MAX, InputWord::DELTA].map(|word| vec![word; pixels]).concat();
         assert_same_traces(&network, &windows);
     }
 }
@@ -105,10 +107,11 @@ fn words_that_are_all_at_one_end_are_the_same() {
 fn a_network_like_a_trained_one_is_the_same_and_sparse() {
     let network = edof_device::random::natural(12, 8, 5);
     let draw = &mut Draw::new(9);
-    let windows: Vec<i16> = (0..200)
+    let windows: Vec<InputWord> = (0..200)
         .flat_map(|_| {
             let level = draw.whole(500, 30_000);
-            (0..144).map(|_| (level + draw.whole(-400, 400)) as i16).collect::<Vec<_>>()
+            let word = |noise: i64| InputWord::from_bits((level + noise) as i16);
+            (0..144).map(|_| word(draw.whole(-400, 400))).collect::<Vec<_>>()
         })
         .collect();
     assert_same_traces(&network, &windows);

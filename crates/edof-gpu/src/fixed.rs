@@ -7,8 +7,8 @@ use crate::engine::{
 use edof_core::colour::OUTPUTS_422;
 use edof_core::frame::Frame422;
 use edof_core::geometry::{PATCH, PATCH_PIXELS};
+use edof_core::number::{InputWord, OutputWord, bits_of_mut, words_of};
 use edof_core::{Geometry, RawFrame, ReconstructError, Reconstruction, Reconstructor};
-use edof_golden::overlap_add::empty_frame;
 use edof_golden::{Counts, GoldenFrame, LayerWords, StageCounts, Trace};
 use edof_network::FixedNetwork;
 use ndarray::Array2;
@@ -89,7 +89,7 @@ impl GpuGolden {
             Ok(())
         };
         self.engine.sums(&mut memory.frame, &aligned, PLANES, count)?;
-        let mut frame = empty_frame(height, width);
+        let mut frame = Frame422::zeros(height, width);
         let Frame422 { luma, chroma: [cb, cr] } = &mut frame;
         self.engine.device.clear(&mut memory.clipped)?;
         for (plane, sums) in [luma, cb, cr].into_iter().zip(&memory.frame.sums) {
@@ -114,12 +114,12 @@ impl GpuGolden {
     ///
     /// # Errors
     /// What the driver says.
-    pub fn traces(&self, windows: &[i16]) -> Result<Vec<Trace>, GpuError> {
+    pub fn traces(&self, windows: &[InputWord]) -> Result<Vec<Trace>, GpuError> {
         let pixels = self.network.form.window.pixels();
         let patches = windows.len() / pixels;
         let mut room = self.engine.room(patches, patches)?;
         let transposed: Vec<i16> =
-            (0..pixels).flat_map(|i| (0..patches).map(move |p| windows[p * pixels + i])).collect();
+            (0..pixels).flat_map(|i| (0..patches).map(move |p| windows[p * pixels + i].to_bits())).collect();
         self.engine.device.write(&mut room.y, &transposed)?;
         self.engine.run(&mut room, patches)?;
         let codes = self.network.form.codes;
@@ -138,7 +138,7 @@ impl GpuGolden {
                 .iter()
                 .map(|[b, z, sent]| LayerWords { b: of(b, patch), z: of(z, patch), sent: of(sent, patch) })
                 .collect(),
-            output: out[patch * OUTPUTS_422..][..OUTPUTS_422].to_vec(),
+            output: words_of(&out[patch * OUTPUTS_422..][..OUTPUTS_422]).to_vec(),
             stages: stages.iter().map(|slots| slots[patch]).collect(),
         };
         Ok((0..patches).map(trace).collect())
@@ -161,11 +161,16 @@ impl GpuGolden {
     }
 
     /// Words of a plane's sums.
-    fn finish(&self, sums: &Buffer<i32>, plane: &mut Array2<i16>, memory: &Memory) -> Result<(), GpuError> {
+    fn finish(
+        &self,
+        sums: &Buffer<i32>,
+        plane: &mut Array2<OutputWord>,
+        memory: &Memory,
+    ) -> Result<(), GpuError> {
         let device = &self.engine.device;
         let arguments = [sums.into(), plane.len().into(), (&memory.words).into(), (&memory.clipped).into()];
         device.launch(&self.engine.program, "finish", &arguments, [plane.len(), 1])?;
-        device.read_into(&memory.words, plane.as_slice_mut().unwrap_or_default())
+        device.read_into(&memory.words, bits_of_mut(plane.as_slice_mut().unwrap_or_default()))
     }
 }
 

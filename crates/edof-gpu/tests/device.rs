@@ -42,7 +42,7 @@ fn every_boundary_of_extreme_windows_is_the_processors() {
         let device = device();
         let bits = [16, 8, 12, 15][i % 4];
         let network = edof_device::random::extreme(form, bits, Stride::PATCH, i == 3, i as u64);
-        let windows: Vec<i16> =
+        let windows: Vec<_> =
             (0..70).flat_map(|_| edof_device::random::extreme_window(draw, form.window.pixels())).collect();
         let traces = GpuGolden::new(device, network.clone(), "").unwrap().traces(&windows).unwrap();
         for (patch, (here, there)) in traces.iter().zip(Fast::new(network).traces(&windows)).enumerate() {

@@ -5,6 +5,7 @@ use crate::verilog::{Direction, Port};
 use edof_core::DisplayMode;
 use edof_core::cable;
 use edof_core::display::{BLACK, CHROMA_ZERO};
+use edof_core::number::{Fixed, InputWord, OutputWord};
 use edof_device::design::FrameSize;
 use edof_device::registers::map;
 use edof_device::video::VideoTiming;
@@ -27,9 +28,9 @@ const CORE_UNITS: u64 = 1000;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Recorded {
     /// Words of each window.
-    pub windows: Vec<Vec<i16>>,
+    pub windows: Vec<Vec<InputWord>>,
     /// Words of the patch that the network makes of each.
-    pub patches: Vec<Vec<i16>>,
+    pub patches: Vec<Vec<OutputWord>>,
     /// Frames for the core.
     pub video: RecordedVideo,
 }
@@ -91,7 +92,6 @@ pub(crate) const RECORDED: [&str; 4] =
 
 /// The calculator's bench, and its words.
 fn calculator_bench(calculator: &Project, recorded: &Recorded) -> Vec<(String, String)> {
-    let beats = |words: &[Vec<i16>]| words.first().map_or(0, |words| words.len() / 2);
     let windows = recorded.windows.len();
     let value = |port: &str| match port {
         "clock_i" => "clock",
@@ -216,10 +216,15 @@ fn pins(circuit: &Project, value: impl Fn(&str) -> &'static str) -> String {
     circuit.ports.iter().map(pin).collect::<Vec<_>>().join(",\n        ")
 }
 
+/// Returns the beats of a vector.
+fn beats<W>(vectors: &[Vec<W>]) -> usize {
+    vectors.first().map_or(0, |words| words.len() / 2)
+}
+
 /// Two words a line, the first one low.
-fn pairs(vectors: &[Vec<i16>]) -> String {
+fn pairs(vectors: &[Vec<impl Fixed<Bits = i16>>]) -> String {
     let pairs = vectors.iter().flat_map(|words| words.chunks_exact(2));
-    pairs.map(|pair| format!("{:04x}{:04x}\n", pair[1] as u16, pair[0] as u16)).collect()
+    pairs.map(|pair| format!("{:04x}{:04x}\n", pair[1].to_bits(), pair[0].to_bits())).collect()
 }
 
 /// A word a line.

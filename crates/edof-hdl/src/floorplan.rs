@@ -89,7 +89,8 @@ pub fn lines(design: &Design, columns: Columns, instance: &str) -> String {
     }
     for block in blocks {
         let (dsps, rams) = (block.dsp_places(columns), block.ram_places(columns));
-        let (last, column, ram_column) = (block.first + block.rows - 1, columns.multipliers.0 - 1, columns.memories - 1);
+        let (last, column, ram_column) =
+            (block.first + block.rows - 1, columns.multipliers.0 - 1, columns.memories - 1);
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
@@ -155,7 +156,10 @@ mod tests {
                     let inside = blocks.iter().filter(|b| b.first >= first && b.first + b.rows <= end);
                     let (dsps, rams) = inside.fold((0, 0), |(d, r), b| (d + b.dsps, r + b.rams));
                     assert!(dsps <= (end - first) * dsp_columns, "{name} {first}..{end}: {dsps}");
-                    assert!(rams <= (end - first) / 2 * whole_columns(columns), "{name} {first}..{end}: {rams}");
+                    assert!(
+                        rams <= (end - first) / 2 * whole_columns(columns),
+                        "{name} {first}..{end}: {rams}"
+                    );
                 }
             }
         }

@@ -24,9 +24,8 @@ pub fn stages(design: &Design) -> Vec<Resources> {
     let (luts, registers) = extra_logic(design.form.shrinkage);
     // Two elements a cycle, and the two before them where a stage sends differences.
     let blocks = |plan: &StagePlan| 2 * (usize::from(plan.shrinks()) + usize::from(plan.sends_difference));
-    let extra = |plan: &StagePlan| {
-        scaled(part, Resources::logic(blocks(plan) * luts, blocks(plan) * registers))
-    };
+    let extra =
+        |plan: &StagePlan| scaled(part, Resources::logic(blocks(plan) * luts, blocks(plan) * registers));
     design.stages().map(|plan| stage(part, &plan, design.accumulator_bits as usize) + extra(&plan)).collect()
 }
 

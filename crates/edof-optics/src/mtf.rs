@@ -1,7 +1,7 @@
 //! How contrast falls with spatial frequency and with depth (the two parts of the paper's Figure 1).
 
 use crate::psf::support::otf_support;
-use crate::psf::{self, NoPsf, Psf, Settings, channel_psfs, otf_along_row, wavelengths};
+use crate::psf::{self, NoPsf, Psf, Settings, otf_along_row, wavelengths};
 use edof_core::Channel;
 use edof_core::camera::{Camera, Spectrum, Symmetry};
 use edof_numerics::fft::Complex64;
@@ -55,8 +55,8 @@ pub fn otf(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) ->
     psf::check(camera, psi)?;
     let step_per_mm = |support: usize| 1e3 / (support as f64 * camera.pixel_pitch_um);
     if camera.psf_bank.is_some() || camera.symmetry() == Symmetry::None {
-        let psf = &channel_psfs(camera, psi, &Settings::default())?[channel.plane()];
-        return Ok(Otf { step_per_mm: step_per_mm(SUPPORT), values: contrast_of(psf, footprint) });
+        let psf = psf::psf(camera, channel, psi, &Settings::default())?;
+        return Ok(Otf { step_per_mm: step_per_mm(SUPPORT), values: contrast_of(&psf, footprint) });
     }
     let spectrum = camera.spectrum(channel);
     let lines = match spectrum {
@@ -134,6 +134,7 @@ pub fn through_focus(
 mod tests {
     use super::*;
     use crate::bank;
+    use crate::psf::channel_psfs;
     use edof_core::camera::{Kernels, Mask, PsfBank};
 
     const PSIS: [f64; 9] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];

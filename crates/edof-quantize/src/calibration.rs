@@ -2,7 +2,7 @@
 
 use crate::QuantizeError;
 use edof_core::geometry::GeometryError;
-use edof_core::number::INPUT_FRACTION;
+use edof_core::number::{InputWord, input_value};
 use edof_core::{Geometry, RawFrame, Stride};
 use edof_golden::windows::Mirrored;
 use edof_network::Network;
@@ -103,12 +103,12 @@ impl Calibration {
         let mut seen = Self::new(&network.form);
         let mut pass = Pass::new(network.form, BATCH);
         let pixels = network.form.window.pixels();
-        let mut words = vec![0; pixels];
+        let mut words = vec![InputWord::ZERO; pixels];
         for (index, some) in patches.chunks(BATCH).enumerate().take_while(|_| flow().is_continue()) {
             let mut inputs = Vec::with_capacity(some.len() * pixels);
             for &(row, column) in some {
                 mirrored.copy_window(row, column, &mut words);
-                inputs.extend(words.iter().map(|w| f32::from(*w) / (1 << INPUT_FRACTION) as f32));
+                inputs.extend(words.iter().map(|word| input_value(*word)));
             }
             seen.observe(&mut pass, weights, &inputs, network.form);
             if index % MOMENTS_EVERY == 0 {
@@ -330,7 +330,7 @@ mod tests {
         let (rows, columns) = geometry.patches(48, 64);
         let inputs: Vec<f32> = (0..rows * columns)
             .flat_map(|i| edof_golden::windows::window(&raw, geometry, i / columns, i % columns))
-            .map(|word| f32::from(word) / 32768.0)
+            .map(|word| f32::from(word.to_bits()) / 32768.0)
             .collect();
         assert!(rows * columns > 2 * BATCH);
         let seen = Calibration::measure(&network, [&raw]).unwrap();

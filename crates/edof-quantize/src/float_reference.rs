@@ -5,7 +5,7 @@
 
 use crate::fold::Folded;
 use edof_core::colour::OUTPUTS_422;
-use edof_core::number::{INPUT_FRACTION, OUTPUT_FRACTION};
+use edof_core::number::{InputWord, OUTPUT_FRACTION, input_value};
 use edof_network::FixedNetwork;
 use edof_network::float::matmul::{Destination, Mat, product};
 use edof_network::float::real::Real;
@@ -63,13 +63,12 @@ impl<T: Real> FloatReference<T> {
         }
     }
 
-    /// Runs windows of input words (0…32767, `window.pixels()` of them each).
+    /// Runs windows of input words (0 or more, `window.pixels()` of them each).
     #[must_use]
-    pub fn run(&self, windows: &[i16]) -> Values<T> {
+    pub fn run(&self, windows: &[InputWord]) -> Values<T> {
         let (codes, pixels) = (self.form.codes, self.form.window.pixels());
         let count = windows.len() / pixels;
-        let unit = (-f64::from(INPUT_FRACTION)).exp2();
-        let y: Vec<T> = windows.iter().map(|word| T::of(f64::from(*word) * unit)).collect();
+        let y: Vec<T> = windows.iter().map(|word| T::of(input_value(*word).into())).collect();
         let y = Mat::new(&y, count, pixels);
         let times = |left: &[T], width: usize, matrix: &[T], rows: usize, onto: Option<&[T]>| {
             let mut out = onto.map_or_else(|| vec![T::zero(); count * rows], <[T]>::to_vec);
@@ -137,6 +136,7 @@ impl<T: Real> FloatReference<T> {
 mod tests {
     use super::*;
     use edof_core::draw::Draw;
+    use edof_core::number::bits_of;
     use edof_core::{Stride, Window};
     use edof_golden::scalar;
     use edof_network::network::Shrinkage;
@@ -158,7 +158,7 @@ mod tests {
             let twin = FloatReference::<f64>::new(&fixed, &Folded::of(&fixed));
             let y = edof_device::random::extreme_window(&mut Draw::new(seed), 64);
             let (trace, values) = (scalar::run(&fixed, &y), twin.run(&y));
-            let words = trace.layers.iter().map(|layer| &layer.b).chain([&trace.output]);
+            let words = trace.layers.iter().map(|layer| &layer.b[..]).chain([bits_of(&trace.output)]);
             let fractions = fixed.code_fractions.iter().chain([&OUTPUT_FRACTION]);
             for ((words, fraction), values) in words.zip(fractions).zip(&values.stages) {
                 let unit = (-f64::from(*fraction)).exp2();
@@ -207,14 +207,14 @@ mod tests {
             let mut draw = Draw::new(seed);
             let mut window = || {
                 let words = edof_device::random::extreme_window(&mut draw, 64);
-                words.iter().map(|w| (w / divisor) & !1).collect::<Vec<i16>>()
+                words.iter().map(|w| InputWord::from_bits((w.to_bits() / divisor) & !1)).collect::<Vec<_>>()
             };
             let windows = [window(), window()];
             let both = reference.run(&windows.concat());
             let mut clipped = 0;
             for (i, y) in windows.iter().enumerate() {
                 let trace = scalar::run(&fixed, y);
-                let words = trace.layers.iter().map(|layer| &layer.b).chain([&trace.output]);
+                let words = trace.layers.iter().map(|layer| &layer.b[..]).chain([bits_of(&trace.output)]);
                 assert_eq!(both.stages.len(), form.layers);
                 for (t, (words, values)) in words.zip(&both.stages).enumerate() {
                     let expected: Vec<f64> = words.iter().map(|w| f64::from(*w) / 16384.0).collect();

@@ -92,6 +92,7 @@ mod tests {
     use super::*;
     use crate::fold::Folded;
     use edof_core::draw::Draw;
+    use edof_core::number::InputWord;
     use edof_core::{Stride, Window};
     use edof_golden::scalar;
     use edof_network::float::parameters::Layout;
@@ -134,11 +135,11 @@ mod tests {
         let fixed = with_exact_sums(edof_device::random::extreme(form, 8, Stride::PATCH, false, seed));
         let weights = Folded::of(&fixed).flatten();
         // Eight bits of input, so that I's sums are exact too: 64 products of 8 by 8 bits.
-        let y: Vec<i16> = edof_device::random::extreme_window(&mut Draw::new(seed), 64)
+        let y: Vec<InputWord> = edof_device::random::extreme_window(&mut Draw::new(seed), 64)
             .iter()
-            .map(|w| w & 0x7f80)
+            .map(|w| InputWord::from_bits(w.to_bits() & 0x7f80))
             .collect();
-        let inputs: Vec<f32> = y.iter().map(|w| f32::from(*w) / 32768.0).collect();
+        let inputs: Vec<f32> = y.iter().map(|w| w.to_num()).collect();
         let mut pass = Simulated::new(form, &code_formats(&fixed), &rgb_map(&[1.0; 128]), 1);
         pass.forward(&weights, &inputs, 1);
         let trace = scalar::run(&fixed, &y);

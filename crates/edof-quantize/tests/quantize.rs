@@ -2,7 +2,6 @@
 
 use edof_core::camera::Camera;
 use edof_core::draw::Draw;
-use edof_core::number::INPUT_FRACTION;
 use edof_core::overlap::Overlap;
 use edof_core::storage::provenance::Provenance;
 use edof_core::{CfaPhase, ColourFrame, Geometry, RawFrame, Reconstructor, Stride, Tone, Window};
@@ -117,7 +116,7 @@ fn errors(network: &Network, frame: &RawFrame, options: &QuantizeOptions) -> Vec
     let (rows, columns) = g.patches(frame.size().0, frame.size().1);
     for (row, column) in (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))) {
         let y = edof_golden::windows::window(frame, g, row, column);
-        let inputs: Vec<f32> = y.iter().map(|w| f32::from(*w) / (1 << INPUT_FRACTION) as f32).collect();
+        let inputs: Vec<f32> = y.iter().map(|w| w.to_num()).collect();
         let x: Array1<f64> = pass.forward(&weights, &inputs, 1).iter().map(|v| f64::from(*v)).collect();
         let trace = scalar::run(&fixed, &y);
         for (t, codes) in trace.layers.iter().enumerate() {
@@ -130,7 +129,7 @@ fn errors(network: &Network, frame: &RawFrame, options: &QuantizeOptions) -> Vec
         let exact = map.dot(&x);
         let outputs = squares.last_mut().unwrap();
         for (word, exact) in trace.output.iter().zip(&exact) {
-            *outputs += (f64::from(*word) / 16384.0 - exact).powi(2) / 128.0;
+            *outputs += (f64::from(*word) - exact).powi(2) / 128.0;
         }
     }
     squares.iter().map(|s| (s / (rows * columns) as f64).sqrt()).zip(explained).collect()

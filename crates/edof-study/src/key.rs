@@ -16,9 +16,9 @@ use edof_deblur::blind;
 use edof_deblur::hyper_laplacian::Prior;
 use edof_network::float::reconstruct::Output;
 use edof_network::network::{Condition, Form, Recurrence, Shrinkage};
+use edof_optics::Sensor;
 use edof_optics::capture::Approximation;
 use edof_optics::psf::Settings;
-use edof_optics::Sensor;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -217,7 +217,7 @@ impl KeyText for Condition {
 }
 
 impl KeyText for Camera {
-    /// Made from the camera's file, whose fields are stable. Of a height map and of the user's PSFs it holds the digests, which programs before
+    /// Returns text made from the camera's file, whose fields are stable. Of a height map and of the user's PSFs it holds the digests, which programs before
     /// version 1 did not.
     fn key_text(&self) -> String {
         let file = serde_json::to_value(self).unwrap_or_default();

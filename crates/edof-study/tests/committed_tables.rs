@@ -187,7 +187,7 @@ fn command(name: &str) -> String {
 }
 
 /// A study from its compact table; its page must be the table's.
-fn told<T: StudyReport>(name: &str) -> T {
+fn study_of_page<T: StudyReport>(name: &str) -> T {
     let table = table(name).unwrap();
     let (rows, makers) = (table.rows_of::<T>(), vec![table.maker]);
     let study = T::new(&rows, machines(&makers)).unwrap();
@@ -227,9 +227,9 @@ fn a_table_gives_the_page_of_the_rows_that_it_was_made_from() {
 
 #[test]
 fn the_tables_of_photographs_say_what_their_rows_say() {
-    ["linear", "srgb"].iter().for_each(|tone| drop(told::<Study>(&format!("kodak-{tone}"))));
-    told::<Study>("bound");
-    told::<Aperture>("aperture");
+    ["linear", "srgb"].iter().for_each(|tone| drop(study_of_page::<Study>(&format!("kodak-{tone}"))));
+    study_of_page::<Study>("bound");
+    study_of_page::<Aperture>("aperture");
 }
 
 #[test]
@@ -247,21 +247,21 @@ fn tables_of_pages_take_three_megabytes_at_most() {
 
 #[test]
 fn the_page_of_tolerances_says_what_its_rows_say() {
-    let study: Tolerances = told("tolerances");
+    let study: Tolerances = study_of_page("tolerances");
     assert_eq!(study.method, "edof-t4w12-outer-by-noise.float");
 }
 
 #[test]
 fn the_page_of_smaller_apertures_with_networks_says_what_its_rows_say() {
-    let study: ApertureNetworks = told("aperture-networks");
+    let study: ApertureNetworks = study_of_page("aperture-networks");
     assert_eq!(study.photographs, 8);
 }
 
 #[test]
 fn the_comparison_says_what_its_rows_say() {
-    told::<Knobs>("knobs");
-    told::<Speed>("overlap");
-    let speed: Speed = told("single-depth");
+    study_of_page::<Knobs>("knobs");
+    study_of_page::<Speed>("overlap");
+    let speed: Speed = study_of_page("single-depth");
     if std::env::var_os("EDOF_BLESS").is_some() {
         std::fs::write(project().join("docs/figures/speed.svg"), speed.diagrams()).unwrap();
     }
@@ -270,7 +270,7 @@ fn the_comparison_says_what_its_rows_say() {
 
 /// Three blurs of every photograph.
 fn diverges_on_none(name: &str, photographs: usize) {
-    let study: KnownBlurs = told(name);
+    let study: KnownBlurs = study_of_page(name);
     assert_eq!((study.rows.len(), study.diverged), (3 * photographs, 0), "{name}");
 }
 
@@ -373,7 +373,7 @@ fn pages_of_unseen_photographs_are_of_them_and_of_both_lenses_by_noise() {
         if !project().join(format!("docs/results/{name}.md")).exists() {
             continue;
         }
-        let study: Study = told(name);
+        let study: Study = study_of_page(name);
         let measured: BTreeSet<&str> = study.rows.iter().map(|row| row.image.as_str()).collect();
         assert_eq!(measured, photographs.iter().copied().collect(), "{name}");
         assert!(read(&format!("docs/results/{name}.md")).contains(OF_HELD_BACK), "{name}");

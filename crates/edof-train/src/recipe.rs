@@ -256,7 +256,7 @@ fn range(
     limits: std::ops::RangeInclusive<f32>,
     expected: &str,
 ) -> Result<(), RecipeError> {
-    if let Some(wrong) = [low, high].iter().find(|end| !limits.contains(end)) {
+    if let Some(wrong) = [low, high].into_iter().find(|end| !limits.contains::<f32>(end)) {
         return Err(value(field, wrong, expected));
     }
     if low > high { Err(value(field, format!("{low}:{high}"), "the lower end first")) } else { Ok(()) }

@@ -1,7 +1,6 @@
 //! Lens and network together: the gradient through network, mosaic and blur, and rounds of a search.
 
-use edof_core::camera::Camera;
-use edof_core::camera::Delay;
+use edof_core::camera::{Aberration, Camera, Delay, Monomial, Polynomial, Zernike};
 use edof_core::{ColourFrame, Tone, Window};
 use edof_network::float::parameters::{Layout, unflatten};
 use edof_network::network::{Form, Network, Origin, Recurrence, Shrinkage};
@@ -11,6 +10,7 @@ use edof_train::dataset::{Dataset, DatasetOptions};
 use edof_train::initial::initial;
 use edof_train::joint::{Joint, random_lens, values, with_values};
 use edof_train::recipe::Recipe;
+use edof_train::structure::Structure;
 use ndarray::Array3;
 use std::ops::ControlFlow;
 
@@ -98,23 +98,36 @@ fn moved(camera: &Camera, index: usize, by: f64) -> Camera {
 
 #[test]
 fn the_lens_gradient_equals_differences_of_the_score() {
+    let ring = with_values(&Camera::resolve("ring-outer").unwrap(), &[0.6, 0.93, -3.78, 4.44]);
+    check_gradient(&ring, &[2e-3, 2e-3, 2e-2, 2e-2]);
+}
+
+#[test]
+fn the_gradient_by_coefficients_of_a_polynomial_equals_differences_of_the_score() {
+    let terms = [(3, 0, 3.0), (0, 3, -2.0), (2, 1, 0.5)].map(|(x, y, rad)| Monomial { x, y, rad }).to_vec();
+    let mask = [Polynomial { at_nm: 500.0, cauchy: Some([1.458, 0.00354]), terms }].into_iter().collect();
+    check_gradient(&Camera { mask, ..Camera::resolve("clear-mid").unwrap() }, &[2e-2; 4]);
+}
+
+/// Compares the derivatives with differences of at most these steps.
+fn check_gradient(camera: &Camera, steps: &[f64]) {
     let joint = joint();
-    let camera = with_values(&Camera::resolve("ring-outer").unwrap(), &[0.6, 0.93, -3.78, 4.44]);
-    let state = joint.begin(&camera, &network(&joint, &camera)).unwrap();
+    let state = joint.begin(camera, &network(&joint, camera)).unwrap();
     let judge = |camera: &Camera| joint.judge(&dataset(&joint, camera), camera, &state.weights).unwrap();
-    let judged = judge(&camera);
-    assert_eq!(judged.lens, values(&camera));
+    let judged = judge(camera);
+    assert_eq!(judged.lens, values(camera));
     let sides = |camera: &Camera| -> Vec<[usize; 3]> {
         let of = |&psi: &f64| channel_psfs(camera, psi, &settings()).unwrap().map(|psf| psf.side());
         joint.psis.iter().map(of).collect()
     };
-    for (index, largest) in [(0, 2e-3), (1, 2e-3), (2, 2e-2), (3, 2e-2)] {
+    assert_eq!(judged.gradient.len(), steps.len());
+    for (index, &largest) in steps.iter().enumerate() {
         // Words of 16 bits carry the blurred light, so steps are not small; but no kernel may change its side, and so the windows.
         let mut steps = (0..6).map(|halving| largest / f64::from(1 << halving));
         let same =
-            |step: f64| [-step, step].iter().all(|by| sides(&moved(&camera, index, *by)) == sides(&camera));
+            |step: f64| [-step, step].iter().all(|by| sides(&moved(camera, index, *by)) == sides(camera));
         let step = steps.find(|step| same(*step)).expect("kernels whose sides stay");
-        let score = |by: f64| judge(&moved(&camera, index, by)).score_db;
+        let score = |by: f64| judge(&moved(camera, index, by)).score_db;
         let measured = (score(step) - score(-step)) / (2.0 * step);
         let found = judged.gradient[index];
         assert!(
@@ -200,6 +213,20 @@ fn a_search_does_not_depend_on_the_order_of_rings_and_keeps_etched_ones() {
     // The step of the phase is that of the parameter.
     let moved = values(&first.camera)[2] - values(&first.best)[2];
     assert!((moved - first.length * first.direction[2]).abs() < 1e-9, "{moved}");
+}
+
+#[test]
+fn symmetric_codes_are_rejected_behind_psfs_that_are_not_their_own_transposes() {
+    let joint = joint();
+    let recipe = Recipe { structure: Structure::Symmetric, ..joint.recipe.clone() };
+    let check = |camera: &Camera| recipe.check_with(&dataset(&joint, camera)).map_err(|e| e.to_string());
+    let round = Camera::resolve("ring-outer").unwrap();
+    assert_eq!(check(&round), Ok(()));
+    let coma = Camera { aberrations: Zernike(vec![Aberration { noll: 8, rms_nm: 60.0 }]), ..round };
+    assert_eq!(
+        check(&coma).unwrap_err(),
+        "structure symmetric: must be free or blocks:SHARE behind a lens whose PSFs are not their own transposes"
+    );
 }
 
 #[test]

@@ -10,7 +10,6 @@ use edof_core::Tone;
 use edof_core::camera::Camera;
 use edof_core::words::{count, number};
 use edof_io::raw::Size;
-use edof_optics::Scene;
 use edof_optics::draw::{self, DrawError, four_depths};
 use edof_study::report::picture::png;
 use ndarray::Array2;

@@ -25,7 +25,7 @@ mod psf_bank;
 pub use mask::glass::etched_rad;
 pub use mask::height_map::HeightMapError;
 pub use mask::phase::{Change, Function, Parameter, PhaseTerm, Place, Symmetry, Wrong};
-pub use mask::{Aberration, Delay, HeightMap, Mask, Profile, Ring, Term, Zernike};
+pub use mask::{Aberration, Delay, HeightMap, Mask, Monomial, Polynomial, Profile, Ring, Term, Zernike};
 pub use psf_bank::{BankError, Kernels, KernelsError, PsfBank};
 
 use crate::cfa::Channel;

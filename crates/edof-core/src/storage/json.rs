@@ -45,10 +45,12 @@ impl fmt::Display for JsonError {
 
 impl JsonError {
     fn new(path: &serde_path_to_error::Path, source: serde_json::Error) -> Self {
+        // A value without a place, as at the end of the text, is a question mark.
         let path = path.to_string();
-        let (outside, inside) = path.rsplit_once('.').unwrap_or(("", &path));
+        let path = path.trim_end_matches('?').trim_end_matches('.');
+        let (outside, inside) = path.rsplit_once('.').unwrap_or(("", path));
         // The reason names a field that is unknown or there twice.
-        let field = if reason(&source).contains(&format!(" field `{inside}`")) { outside } else { &path };
+        let field = if reason(&source).contains(&format!(" field `{inside}`")) { outside } else { path };
         Self { field: field.trim_start_matches('.').to_owned(), source }
     }
 }

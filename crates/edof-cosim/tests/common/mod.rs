@@ -3,6 +3,7 @@ pub mod traffic;
 
 use crate::support;
 use edof_core::draw::Draw;
+use edof_core::number::InputWord;
 use edof_cosim::chain::verilated::{Compiled, Verilated, write_images};
 use edof_cosim::chain::{Device, Drive, Inputs, Outcome, Outputs};
 use edof_cosim::verilator::Options;
@@ -39,7 +40,7 @@ pub fn moderate(design: &Design, seed: u64) -> FixedNetwork {
     let draw = &mut Draw::new(seed);
     let max = 1 << (design.code_bits - 5);
     network.thresholds.iter_mut().for_each(|theta| theta.mapv_inplace(|_| draw.whole(0, max) as i16));
-    let windows: Vec<Vec<i16>> =
+    let windows: Vec<Vec<InputWord>> =
         (0..8).map(|_| natural_window(draw, design.form.window.side(), 15)).collect();
     for stage in 0..design.form.layers {
         // A stage's results depend on the stages before: those are settled first.
@@ -54,7 +55,7 @@ pub fn moderate(design: &Design, seed: u64) -> FixedNetwork {
     network
 }
 
-fn saturated(network: &FixedNetwork, windows: &[Vec<i16>], stage: usize) -> u64 {
+fn saturated(network: &FixedNetwork, windows: &[Vec<InputWord>], stage: usize) -> u64 {
     windows.iter().map(|window| scalar::run(network, window).stages[stage].saturated_results).sum()
 }
 
@@ -77,13 +78,13 @@ fn scaled_down(network: &FixedNetwork, stage: usize) -> FixedNetwork {
 }
 
 /// A window as a camera sees it: a slope with noise.
-pub fn natural_window(draw: &mut Draw, side: usize, bits: u32) -> Vec<i16> {
+pub fn natural_window(draw: &mut Draw, side: usize, bits: u32) -> Vec<InputWord> {
     let max = (1i64 << bits) - 1;
     let (level, right, down) = (draw.whole(0, max), draw.whole(-max, max), draw.whole(-max, max));
     let pixel = |draw: &mut Draw, i: usize| {
         let (column, row) = ((i % side) as i64, (i / side) as i64);
         let slope = (right * column + down * row) / (2 * side as i64);
-        (level + slope + draw.whole(-200, 200)).clamp(0, max) as i16
+        InputWord::from_bits((level + slope + draw.whole(-200, 200)).clamp(0, max) as i16)
     };
     (0..side * side).map(|i| pixel(draw, i)).collect()
 }
@@ -95,7 +96,7 @@ pub fn patches(design: &Design, count: usize, seed: u64) -> Vec<Patch> {
     let patch = |_| Patch {
         set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },
         window: match draw.whole(0, 9) {
-            0 => vec![0; window.pixels()],
+            0 => vec![InputWord::ZERO; window.pixels()],
             1..=4 => edof_device::random::extreme_window(draw, window.pixels()),
             _ => natural_window(draw, window.side(), 15),
         },
@@ -113,7 +114,7 @@ pub fn misfits(mut patches: Vec<Patch>, seed: u64) -> Vec<Patch> {
             _ => draw.whole(1, 2 * beats as i64) as usize,
         };
         if draw.whole(0, 2) == 0 {
-            patch.window.resize_with(2 * wrong, || draw.whole(0, 0x7fff) as i16);
+            patch.window.resize_with(2 * wrong, || InputWord::from_bits(draw.whole(0, 0x7fff) as i16));
         }
     }
     patches

@@ -37,7 +37,7 @@ impl Traffic {
         let beats = patches.iter().flat_map(|patch| {
             let count = patch.window.len() / 2;
             patch.window.chunks(2).enumerate().map(move |(k, words)| Beat {
-                words: [words[0], words[1]],
+                words: [0, 1].map(|at| words[at].to_bits()),
                 base: [0; 2],
                 last: k + 1 == count,
                 set: patch.set,

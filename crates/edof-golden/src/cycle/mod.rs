@@ -30,7 +30,7 @@
 //! let mut summary = Summary::new(&design);
 //! for patch in model.run(patches) {
 //!     let first = patch.transfers(0).next().unwrap();
-//!     assert_eq!(first.words, [patch.trace.input[0], patch.trace.input[1]]);
+//!     assert_eq!(first.words, [0, 1].map(|at| patch.trace.input[at].to_bits()));
 //!     assert!(patch.transfers(4).all(|beat| beat.cycle > first.cycle));
 //!     summary.add(&patch);
 //! }

@@ -5,6 +5,7 @@ use super::transfer::{Patch, PatchRun};
 use super::{CycleError, Stalls};
 use crate::Trace;
 use crate::fast::{Batch, Fast};
+use edof_core::number::InputWord;
 use edof_device::Design;
 use edof_device::design::memory::Set;
 use edof_device::design::{BEAT, StagePlan};
@@ -90,7 +91,7 @@ impl Cycle {
                 let words = patch.window.len();
                 assert!(words > 0 && words.is_multiple_of(BEAT), "{words} words of a window");
                 windows.extend_from_slice(&patch.window[..words.min(pixels)]);
-                windows.resize(pixels * (index + 1), 0);
+                windows.resize(pixels * (index + 1), InputWord::ZERO);
             }
             self.sets[set as usize].traces(&windows).into_iter()
         };

@@ -3,6 +3,7 @@
 
 use super::Stalls;
 use crate::Trace;
+use edof_core::number::bits_of;
 use edof_device::Design;
 use edof_device::design::reading::stolen;
 use edof_device::design::timing::{
@@ -204,7 +205,7 @@ struct Stage {
 
 impl Stage {
     fn new(plan: StagePlan, skip_zeros: bool, traces: &[Trace]) -> Self {
-        let vector = |trace| -> &Vec<i16> { vector_into(plan.index, trace) };
+        let vector = |trace| -> &[i16] { vector_into(plan.index, trace) };
         let keeps = |word: &&i16| plan.index == 0 || !skip_zeros || **word != 0;
         let appended = |beat: &[i16]| beat.iter().filter(keeps).count();
         Self {
@@ -317,8 +318,8 @@ impl Stage {
 }
 
 /// The vector that comes to stage `index`.
-fn vector_into(index: usize, trace: &Trace) -> &Vec<i16> {
-    if index == 0 { &trace.input } else { &trace.layers[index - 1].sent }
+fn vector_into(index: usize, trace: &Trace) -> &[i16] {
+    if index == 0 { bits_of(&trace.input) } else { &trace.layers[index - 1].sent }
 }
 
 /// A line of registers: what goes in comes out such that its effect is visible `latency` cycles later.

@@ -2,6 +2,7 @@
 
 use super::chain::PatchTimes;
 use crate::Trace;
+use edof_core::number::{InputWord, bits_of};
 use edof_device::design::BEAT;
 use edof_device::design::memory::Set;
 use edof_network::network::Recurrence;
@@ -9,9 +10,9 @@ use edof_network::network::Recurrence;
 /// A patch that goes into the chain.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Patch {
-    /// Input words of its window (0…32767), row by row, an even number. One that is too short is filled up with zeros, of one that is too
+    /// Input words of its window (0 or more), row by row, an even number. One that is too short is filled up with zeros, of one that is too
     /// long the rest is thrown away.
-    pub window: Vec<i16>,
+    pub window: Vec<InputWord>,
     /// Which set of weights it uses.
     pub set: Set,
 }
@@ -26,7 +27,7 @@ pub struct PatchRun {
     /// What M layers add to.
     pub recurrence: Recurrence,
     /// The received window, if it was too short or too long.
-    pub misfit: Option<Vec<i16>>,
+    pub misfit: Option<Vec<InputWord>>,
     /// Words of the patch.
     pub trace: Trace,
     /// Cycles of the patch.
@@ -59,8 +60,8 @@ impl PatchRun {
     #[must_use]
     pub fn words(&self, boundary: usize) -> &[i16] {
         match boundary {
-            0 => self.misfit.as_ref().unwrap_or(&self.trace.input),
-            b => self.trace.layers.get(b - 1).map_or(&self.trace.output, |codes| &codes.sent),
+            0 => bits_of(self.misfit.as_ref().unwrap_or(&self.trace.input)),
+            b => self.trace.layers.get(b - 1).map_or(bits_of(&self.trace.output), |codes| &codes.sent),
         }
     }
 

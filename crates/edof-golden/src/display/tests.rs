@@ -1,6 +1,12 @@
 use super::*;
 use edof_core::colour::{chroma_word, luma_word, srgb_encode, ycbcr_matrix};
+use edof_core::number::nearest;
 use proptest::prelude::*;
+
+/// A line of words.
+fn plane(bits: &[i16]) -> Array2<OutputWord> {
+    Array2::from_shape_fn((1, bits.len()), |(_, x)| OutputWord::from_bits(bits[x]))
+}
 
 /// A frame of one colour in linear light.
 fn flat(rgb: [f64; 3]) -> Frame422 {
@@ -79,10 +85,7 @@ fn dark_red_is_red_in_colour_and_pale_in_luma_only() {
 #[test]
 fn luma_only_rounds_chroma_with_ties_up_and_keeps_off_the_sync_codes() {
     let words = [63, 64, -64, -65, i16::MAX, i16::MIN];
-    let frame = Frame422 {
-        luma: Array2::zeros((1, 12)),
-        chroma: [Array2::from_shape_vec((1, 6), words.to_vec()).unwrap(), Array2::zeros((1, 6))],
-    };
+    let frame = Frame422 { chroma: [plane(&words), plane(&[0; 6])], luma: plane(&[0; 12]) };
     let (picture, counts) = Display::new(DisplayMode::Luma, Curve::Linear).picture(&frame, (0, 0), (1, 12));
     assert_eq!(picture.chroma[0].as_slice().unwrap(), [128, 129, 128, 127, 254, 1]);
     assert_eq!(counts, DisplayCounts { clamped_chroma: 2, out_of_gamut: 0 });
@@ -91,13 +94,13 @@ fn luma_only_rounds_chroma_with_ties_up_and_keeps_off_the_sync_codes() {
 #[test]
 fn a_frame_that_starts_between_sites_takes_the_mean_of_its_neighbours() {
     let frame = Frame422 {
-        luma: Array2::from_shape_fn((1, 6), |(_, x)| (x as i16) << 8),
-        chroma: [0, 1].map(|_| Array2::from_shape_vec((1, 3), vec![0, 1280, 2561]).unwrap()),
+        luma: plane(&[0, 256, 512, 768, 1024, 1280]),
+        chroma: [0, 1].map(|_| plane(&[0, 1280, 2561])),
     };
     let (picture, _) = Display::new(DisplayMode::Luma, Curve::Linear).picture(&frame, (0, 1), (1, 4));
     // (0 + 1280)/2 and (1280 + 2561)/2 in units of 128.
     assert_eq!(picture.chroma[0].as_slice().unwrap(), [133, 143]);
-    assert_eq!(picture.luma[(0, 0)], LumaTable::new(Curve::Linear).code(256));
+    assert_eq!(picture.luma[(0, 0)], LumaTable::new(Curve::Linear).code(OutputWord::from_bits(256)));
 }
 
 #[test]
@@ -120,18 +123,20 @@ fn codes_are_written_luma_first() {
 proptest! {
     #[test]
     fn light_in_32_bits_is_the_contracts(luma: i16, cb in -65_536..=65_534, cr in -65_536..=65_534) {
-        let contract: [i64; 3] = TO_RGB.map(|[of_cb, of_cr]| {
-            let chroma = i64::from(of_cb) * i64::from(cb) + i64::from(of_cr) * i64::from(cr);
-            ((i64::from(luma) << TO_RGB_SHIFT) + chroma + (1 << (TO_RGB_SHIFT - 1))) >> TO_RGB_SHIFT
+        let luma = OutputWord::from_bits(luma);
+        let [cb, cr] = [cb, cr].map(OutputSum::from_bits);
+        // Exact products of the types: 17 + 14 fraction bits.
+        let contract: [OutputSum; 3] = TO_RGB.map(|[of_cb, of_cr]| {
+            nearest(ToRgb::ONE.wide_mul(OutputSum::from(luma)) + of_cb.wide_mul(cb) + of_cr.wide_mul(cr))
         });
-        prop_assert_eq!(light_of(luma, [cb, cr]).map(i64::from), contract);
+        prop_assert_eq!(light_of(luma, [cb, cr]), contract);
         for isa in Isa::available() {
-            let mut light = [0; 3].map(|_| vec![0; 40]);
+            let mut light = [0; 3].map(|_| vec![TableIndex::ZERO; 40]);
             let outside = light_line(isa, &[luma; 40], [&[cb; 40], &[cr; 40]], &mut light);
-            prop_assert_eq!(outside == 40, contract.iter().any(|light| !(0..=1 << 14).contains(light)));
+            prop_assert_eq!(outside == 40, contract.iter().any(|light| *light < 0 || *light > 1));
             for (plane, expected) in light.iter().zip(contract) {
-                let address = expected.clamp(0, (1 << 14) - 1);
-                prop_assert!(plane.iter().all(|light| i64::from(*light) == address), "{isa:?}");
+                let address = expected.to_bits().clamp(0, (1 << 14) - 1);
+                prop_assert!(plane.iter().all(|light| i32::from(light.to_bits()) == address), "{isa:?}");
             }
         }
     }
@@ -146,8 +151,8 @@ proptest! {
     #[test]
     fn no_word_gives_a_sync_code(luma: i16, cb: i16, cr: i16) {
         let frame = Frame422 {
-            luma: Array2::from_elem((1, 4), luma),
-            chroma: [cb, cr].map(|word| Array2::from_elem((1, 2), word)),
+            luma: plane(&[luma; 4]),
+            chroma: [cb, cr].map(|word| plane(&[word; 2])),
         };
         for mode in DisplayMode::ALL {
             let picture = Display::new(mode, Curve::Srgb).picture(&frame, (0, 0), (1, 4)).0;

@@ -36,6 +36,7 @@ use crate::trace::{LayerWords, StageCounts, Trace};
 use active::Active;
 use columns::Columns;
 use edof_core::colour::OUTPUTS_422;
+use edof_core::number::{InputWord, OutputWord, bits_of, words_of};
 use edof_network::FixedNetwork;
 use edof_network::network::Recurrence;
 use finish::{Finish, FinishOutputs};
@@ -89,16 +90,16 @@ impl Batch {
     pub fn new(fast: &Fast) -> Self {
         let form = fast.network.form;
         let rows = padded(form.codes);
-        let words = || vec![0; Self::PATCHES * rows];
+        let codes = || vec![0; Self::PATCHES * rows];
         Self {
             windows: Windows::new(Self::PATCHES, form.window.pixels()),
             words: fast
                 .stages
                 .iter()
                 .map(|stage| LayerWords {
-                    b: words(),
-                    z: words(),
-                    sent: if stage.sends_difference { words() } else { vec![] },
+                    b: codes(),
+                    z: codes(),
+                    sent: if stage.sends_difference { codes() } else { vec![] },
                 })
                 .collect(),
             codes: form.codes,
@@ -113,8 +114,8 @@ impl Batch {
 
     /// F's words of patch `i`.
     #[must_use]
-    pub fn output(&self, i: usize) -> &[i16] {
-        &self.output[i * OUTPUTS_422..][..OUTPUTS_422]
+    pub fn output(&self, i: usize) -> &[OutputWord] {
+        words_of(&self.output[i * OUTPUTS_422..][..OUTPUTS_422])
     }
 
     /// Counters of patch `i`: I, each M, F.
@@ -149,7 +150,7 @@ impl Batch {
                 sent.copy_from_slice(&one.sent);
             }
         }
-        self.output[i * OUTPUTS_422..][..OUTPUTS_422].copy_from_slice(&trace.output);
+        self.output[i * OUTPUTS_422..][..OUTPUTS_422].copy_from_slice(bits_of(&trace.output));
         self.stages[i * self.layers..][..self.layers].copy_from_slice(&trace.stages);
     }
 }
@@ -157,7 +158,7 @@ impl Batch {
 /// Input words of some windows.
 #[derive(Debug, Clone)]
 struct Windows {
-    words: Vec<i16>,
+    words: Vec<InputWord>,
     /// Of each window ([`Inputs::largest`]).
     largest: Vec<i16>,
     pixels: usize,
@@ -165,23 +166,23 @@ struct Windows {
 
 impl Windows {
     fn new(windows: usize, pixels: usize) -> Self {
-        Self { words: vec![0; windows * pixels], largest: vec![0; windows], pixels }
+        Self { words: vec![InputWord::ZERO; windows * pixels], largest: vec![0; windows], pixels }
     }
 
-    fn fill(&mut self, isa: Isa, count: usize, mut words_of: impl FnMut(usize, &mut [i16])) {
+    fn fill(&mut self, isa: Isa, count: usize, mut fill_one: impl FnMut(usize, &mut [InputWord])) {
         let windows = self.words.chunks_exact_mut(self.pixels).zip(&mut self.largest);
         for (i, (words, largest)) in windows.take(count).enumerate() {
-            words_of(i, words);
-            *largest = kernels::largest(isa, words);
+            fill_one(i, words);
+            *largest = kernels::largest(isa, bits_of(words));
         }
     }
 
-    fn window(&self, i: usize) -> &[i16] {
+    fn window(&self, i: usize) -> &[InputWord] {
         &self.words[i * self.pixels..][..self.pixels]
     }
 
     fn first(&self, count: usize) -> Inputs<'_> {
-        Inputs { words: &self.words[..count * self.pixels], largest: &self.largest[..count] }
+        Inputs { words: bits_of(&self.words[..count * self.pixels]), largest: &self.largest[..count] }
     }
 }
 
@@ -224,9 +225,9 @@ impl Fast {
         &self.network
     }
 
-    /// Every boundary of each window: `windows` holds `window.pixels()` input words (0…32767) a window, one after the other.
+    /// Every boundary of each window: `windows` holds `window.pixels()` input words (0 or more) a window, one after the other.
     #[must_use]
-    pub fn traces(&self, windows: &[i16]) -> Vec<Trace> {
+    pub fn traces(&self, windows: &[InputWord]) -> Vec<Trace> {
         let mut batch = Batch::new(self);
         let pixels = self.network.form.window.pixels();
         let mut traces = Vec::with_capacity(windows.len() / pixels);
@@ -238,8 +239,8 @@ impl Fast {
         traces
     }
 
-    /// Runs `count` patches (at most [`Batch::PATCHES`]); `fill(i, words)` writes the input words (0…32767) of the i-th.
-    pub fn run(&self, batch: &mut Batch, count: usize, fill: impl FnMut(usize, &mut [i16])) {
+    /// Runs `count` patches (at most [`Batch::PATCHES`]); `fill(i, words)` writes the input words (0 or more) of the i-th.
+    pub fn run(&self, batch: &mut Batch, count: usize, fill: impl FnMut(usize, &mut [InputWord])) {
         let count = count.min(Batch::PATCHES);
         batch.windows.fill(self.isa, count, fill);
         if self.fits() {

@@ -9,13 +9,11 @@ use super::{Factor, Wide};
 use crate::blocks::delay::Delay;
 use crate::blocks::{Pair, Word};
 use crate::describe::Circuit;
-use edof_core::display::{
-    BLACK, CHROMA_ZERO, TO_CHROMA, TO_CHROMA_SHIFT, TO_LUMA, TO_LUMA_SHIFT, TO_RGB, TO_RGB_SHIFT,
-};
+use edof_core::display::{BLACK, CHROMA_ZERO, TO_CHROMA, TO_LUMA, TO_RGB, ToChroma, ToLuma, ToRgb};
 use rust_hdl::prelude::*;
 
 // Where the luma code begins in its sum, and the half below it.
-const _: () = assert!(TO_LUMA_SHIFT == 20);
+const _: () = assert!(ToLuma::FRAC_NBITS == 20);
 
 /// From overlap-added words to the 8-bit codes on the wire: luma only by one table, or colour by a table for each of red, green, blue.
 /// Pairs of pixels in, pixels out, line by line; one pixel a cycle, so a pair every second cycle, 26 cycles from a pair's successor,
@@ -198,17 +196,17 @@ impl Display {
     pub fn new(luma: &[u64], colours: [&[u64]; 3]) -> Self {
         let table = |i: usize| Table::loaded(TABLE_IMAGES[i + 1], colours[i]);
         Self::from_parts(DisplayParts {
-            red_of_cr: factor(TO_RGB[0][1]),
-            green_of_cb: factor(TO_RGB[1][0]),
-            green_of_cr: factor(TO_RGB[1][1]),
-            blue_of_cb: factor(TO_RGB[2][0]),
-            light_half: base(TO_RGB_SHIFT, 0),
-            light_sign: Constant::new((((1u64 << 48) - 1) & !((1 << (16 + TO_RGB_SHIFT)) - 1)).into()),
-            to_luma: TO_LUMA.map(factor),
+            red_of_cr: factor(TO_RGB[0][1].to_bits()),
+            green_of_cb: factor(TO_RGB[1][0].to_bits()),
+            green_of_cr: factor(TO_RGB[1][1].to_bits()),
+            blue_of_cb: factor(TO_RGB[2][0].to_bits()),
+            light_half: base(ToRgb::FRAC_NBITS, 0),
+            light_sign: Constant::new((((1u64 << 48) - 1) & !((1 << (16 + ToRgb::FRAC_NBITS)) - 1)).into()),
+            to_luma: TO_LUMA.map(|f| factor(f.to_bits())),
             luma_base: Constant::new((2 * u64::from(BLACK) + 1).into()),
-            to_cb: TO_CHROMA[0].map(factor),
-            to_cr: TO_CHROMA[1].map(factor),
-            chroma_base: base(TO_CHROMA_SHIFT, CHROMA_ZERO as u64),
+            to_cb: TO_CHROMA[0].map(|f| factor(f.to_bits())),
+            to_cr: TO_CHROMA[1].map(|f| factor(f.to_bits())),
+            chroma_base: base(ToChroma::FRAC_NBITS, CHROMA_ZERO as u64),
             tables: [table(0), table(1), table(2)],
             luma_table: Table::loaded(TABLE_IMAGES[0], luma),
             queue: Queue::new(16),

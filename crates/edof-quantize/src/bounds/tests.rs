@@ -1,6 +1,7 @@
 use super::*;
 use crate::float_reference::FloatReference;
 use edof_core::draw::Draw;
+use edof_core::number::bits_of;
 use edof_core::{Stride, Window};
 use edof_golden::scalar;
 use edof_network::network::{Form, Shrinkage};
@@ -27,7 +28,7 @@ proptest! {
         for _ in 0..20 {
             let y = edof_device::random::extreme_window(&mut draw, 64);
             let (trace, values) = (scalar::run(&fixed, &y), twin.run(&y));
-            let words = trace.layers.iter().map(|layer| &layer.b).chain([&trace.output]);
+            let words = trace.layers.iter().map(|layer| &layer.b[..]).chain([bits_of(&trace.output)]);
             for ((words, values), bound) in words.zip(&values.stages).zip(&bounds) {
                 for ((word, value), worst) in words.iter().zip(values).zip(&bound.worst) {
                     let off = (f64::from(*word) * bound.unit - value).abs();

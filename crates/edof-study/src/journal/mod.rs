@@ -16,10 +16,11 @@ pub use proof::{Proof, settings};
 
 use edof_core::storage::atomic::{self, WriteError};
 use edof_core::storage::digest::sha256;
-use edof_core::storage::json;
+use edof_core::storage::json::reason;
 use file::{Locked, Text};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -252,7 +253,7 @@ impl<L: Line> Journal<L> {
             let header = self.headers.len() - 1;
             let there = self.held.get(&row.subject());
             let is_same = there.map(|held| held.row.proof() == row.proof());
-            let agrees = there.is_some_and(|held| line(&held.row.timeless()) == line(&row.timeless()));
+            let agrees = there.is_some_and(|held| agree(&json(&held.row.timeless()), &json(&row.timeless())));
             match (is_same, newer) {
                 (Some(true), _) if agrees => {}
                 (Some(true), _) | (Some(false), Newer::MustAgree) => {
@@ -415,9 +416,23 @@ fn parsed<T: DeserializeOwned>(path: &Path, line: usize, text: &str) -> Result<T
         line,
         reason: format!(
             "not a row of a study: {}; expected what --rows wrote; name another file, or delete the line: its row is measured again",
-            json::reason(&error)
+            reason(&error)
         ),
     })
+}
+
+/// Whether two rows are equal wherever both have a field: a metric that only the newer one holds is no contradiction.
+fn agree(a: &Value, b: &Value) -> bool {
+    match (a, b) {
+        (Value::Object(a), Value::Object(b)) => {
+            a.iter().all(|(field, value)| b.get(field).is_none_or(|other| agree(value, other)))
+        }
+        _ => a == b,
+    }
+}
+
+fn json(value: &impl Serialize) -> Value {
+    serde_json::to_value(value).unwrap_or_else(|e| unreachable!("rows are plain data: {e}"))
 }
 
 fn line(value: &impl Serialize) -> String {

@@ -28,7 +28,7 @@ const fn first() -> u32 {
     1
 }
 
-/// Of nothing, in the present version.
+/// Holds no hash, in the present version.
 impl Default for Proof {
     fn default() -> Self {
         Self { version: VERSION, settings: None, weights: None, photo: String::new(), camera: None }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::made::machines;
 use serde::Deserialize;
+use serde_json::json;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Measured {
@@ -128,6 +129,17 @@ fn answers_that_differ_are_rejected_and_times_may() {
         "{error}"
     );
     assert!(!out.exists());
+}
+
+#[test]
+fn a_metric_that_one_row_does_not_hold_is_no_contradiction() {
+    let [old, new, other] = [
+        json!({"image": "p", "light": {"psnr_db": 30.5}}),
+        json!({"image": "p", "light": {"psnr_db": 30.5, "ms_ssim": 0.5}}),
+        json!({"image": "p", "light": {"psnr_db": 30.25, "ms_ssim": 0.5}}),
+    ];
+    assert!(agree(&old, &new) && agree(&new, &old) && agree(&old, &old));
+    assert!(!agree(&old, &other) && !agree(&other, &new));
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::metrics::metric::{Better, Metric, Place, Score};
 use edof_core::ColourFrame;
 use rayon::prelude::*;
 
-/// Mean over the pixels; 1 is about the smallest difference that is seen.
+/// CIEDE2000, mean over the pixels; 1 is about the smallest difference that is seen.
 pub(super) const ALL: Metric = Metric {
     name: "ciede2000",
     title: "CIEDE2000",

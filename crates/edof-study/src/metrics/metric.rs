@@ -46,7 +46,7 @@ pub enum Place {
     Further,
 }
 
-/// What a metric gives of one picture.
+/// Score of one picture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "expected a number, \"inf\", \"-inf\" or \"nan\", or three of them")]
 pub enum Score {

@@ -5,7 +5,7 @@ use crate::metrics::metric::{Better, Metric, Place, Score};
 use edof_core::{ColourFrame, Tone};
 use ndarray::ArrayView2;
 
-/// Over all three colours.
+/// PSNR over all three colours.
 pub(super) const ALL: Metric = Metric {
     name: "psnr_db",
     title: "PSNR",
@@ -16,21 +16,21 @@ pub(super) const ALL: Metric = Metric {
     place: Place::Rows,
     measure: |pair| Score::One(over_colours(pair)),
 };
-/// After the estimate was clipped to 0…1, as any display does.
+/// PSNR after the estimate was clipped to 0…1, as any display does.
 pub(super) const CLIPPED: Metric = Metric {
     name: "psnr_clipped_db",
     title: "PSNR, clipped",
     measure: |pair| Score::One(decibel(mean([0, 1, 2].map(|p| clipped_error(pair, p))))),
     ..ALL
 };
-/// Of red, green and blue.
+/// PSNR of red, green and blue.
 pub(super) const CHANNELS: Metric = Metric {
     name: "channel_psnr_db",
     title: "PSNR of red, green, blue",
     measure: |pair| Score::Colours([0, 1, 2].map(|p| decibel(error(pair, p)))),
     ..ALL
 };
-/// Of BT.709 luma.
+/// PSNR of BT.709 luma.
 pub(super) const LUMA: Metric = Metric {
     name: "luma_psnr_db",
     title: "PSNR of luma",

@@ -19,7 +19,7 @@ pub const BORDER: usize = 8;
 /// Smallest side in pixels, inside the border, of a picture that is measured; some metrics need more.
 const MIN_SIDE: usize = ssim::ALL.min_side;
 
-/// What a picture is worth: a map from metrics to their scores, which always holds PSNR. A metric that was not measured, because the
+/// Quality of a picture: a map from metrics to their scores, which always holds PSNR. A metric that was not measured, because the
 /// picture is too small for it or the row older than the metric, is absent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quality([Option<Score>; METRICS.len()]);
@@ -298,7 +298,7 @@ mod tests {
         }
     }
 
-    /// As programs before the map of metrics wrote it, inside of a row.
+    /// A row as programs before the map of metrics wrote it.
     const OLD: &str =
         r#"{"image":"p","psnr_db":"inf","channel_psnr_db":[1.5,"inf",2.5],"ssim":0.5,"place":7}"#;
 

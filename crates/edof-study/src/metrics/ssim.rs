@@ -4,7 +4,7 @@ use crate::metrics::comparable::{MetricError, check};
 use crate::metrics::metric::{Better, Metric, Place, Score};
 use ndarray::{Array2, ArrayView2, s};
 
-/// Mean of the three colours.
+/// SSIM, mean of the three colours.
 pub(super) const ALL: Metric = Metric {
     name: "ssim",
     title: "SSIM",
@@ -21,7 +21,7 @@ pub(super) const ALL: Metric = Metric {
         Score::One((of(0) + of(1) + of(2)) / 3.0)
     },
 };
-/// Of BT.709 luma.
+/// SSIM of BT.709 luma.
 pub(super) const LUMA: Metric = Metric {
     name: "luma_ssim",
     title: "SSIM of luma",
@@ -52,7 +52,7 @@ pub fn ssim(a: ArrayView2<'_, f32>, b: ArrayView2<'_, f32>) -> Result<f64, Metri
     Ok(mean_ssim(a, b))
 }
 
-/// As [`ssim`], of planes that were checked.
+/// Measures SSIM of planes that were checked.
 fn mean_ssim(a: ArrayView2<'_, f32>, b: ArrayView2<'_, f32>) -> f64 {
     terms(&a.mapv(f64::from), &b.mapv(f64::from)).ssim
 }

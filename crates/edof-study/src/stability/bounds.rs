@@ -8,6 +8,7 @@ use crate::stability::bench::{Bench, Trained};
 use crate::stability::outcome::{Measurement, StageMeasurement, Stopped, TrialResult};
 use crate::stability::subjects::Subjects;
 use edof_core::draw::Draw;
+use edof_core::number::{InputWord, bits_of};
 use edof_golden::fast::Fast;
 use edof_golden::{StageCounts, Trace};
 use edof_network::FixedNetwork;
@@ -141,24 +142,24 @@ impl Compared {
     }
 
     /// Compares windows of input words, on all threads.
-    pub(crate) fn look(&self, windows: &[i16]) -> Found {
+    pub(crate) fn look(&self, windows: &[InputWord]) -> Found {
         windows
             .par_chunks(BATCH * self.pixels())
             .map(|some| self.batch(some))
             .reduce(Found::default, Found::merged)
     }
 
-    fn batch(&self, windows: &[i16]) -> Found {
+    fn batch(&self, windows: &[InputWord]) -> Found {
         let (traces, reals) = self.evaluated(windows);
         self.found(windows, &traces, &reals)
     }
 
-    fn evaluated(&self, windows: &[i16]) -> (Vec<Trace>, Vec<Values<f64>>) {
+    fn evaluated(&self, windows: &[InputWord]) -> (Vec<Trace>, Vec<Values<f64>>) {
         let traces = (self.subjects.words)(&self.fast, windows);
         (traces, self.against.iter().map(|against| against.twin.run(windows)).collect())
     }
 
-    fn found(&self, windows: &[i16], traces: &[Trace], reals: &[Values<f64>]) -> Found {
+    fn found(&self, windows: &[InputWord], traces: &[Trace], reals: &[Values<f64>]) -> Found {
         let mut found = Found {
             windows: traces.len() as u64,
             clipped: reals.first().map_or(0, |values| values.clipped),
@@ -194,11 +195,12 @@ impl Compared {
                 let mut window = best.clone();
                 for _ in 0..draw.whole(1, max) {
                     let at = draw.whole(0, pixels as i64 - 1) as usize;
-                    window[at] = match draw.whole(0, 3) {
-                        0 => draw.extreme(16).max(0),
-                        1 => draw.whole(0, i64::from(i16::MAX)) as i16,
-                        _ => (i64::from(window[at]) + draw.whole(-3, 3)).clamp(0, i64::from(i16::MAX)) as i16,
+                    let bits = match draw.whole(0, 3) {
+                        0 => draw.extreme(16).max(0).into(),
+                        1 => draw.whole(0, i64::from(i16::MAX)),
+                        _ => i64::from(window[at].to_bits()) + draw.whole(-3, 3),
                     };
+                    window[at] = InputWord::from_bits(bits.clamp(0, i64::from(i16::MAX)) as i16);
                 }
                 windows.extend(window);
             }
@@ -216,7 +218,7 @@ impl Compared {
     }
 
     /// Where a climb begins: a random window, or one by the signs of a row of A or R, to the largest or the least sum.
-    fn start(&self, draw: &mut Draw, stage: usize, row: usize) -> Vec<i16> {
+    fn start(&self, draw: &mut Draw, stage: usize, row: usize) -> Vec<InputWord> {
         let network = self.fixed();
         let matrix = match &network.linear_path {
             Some(r) if stage + 1 == network.form.layers => &r.weights,
@@ -227,7 +229,7 @@ impl Compared {
             1 => -1,
             _ => return edof_device::random::extreme_window(draw, self.pixels()),
         };
-        let light = |w: &i16| if i32::from(*w) * sign > 0 { i16::MAX } else { 0 };
+        let light = |w: &i16| if i32::from(*w) * sign > 0 { InputWord::MAX } else { InputWord::ZERO };
         matrix.row(row % matrix.nrows()).iter().map(light).collect()
     }
 
@@ -287,7 +289,7 @@ impl Compared {
 }
 
 fn stage_words(trace: &Trace, stage: usize) -> &[i16] {
-    trace.layers.get(stage).map_or(&trace.output, |layer| &layer.b)
+    trace.layers.get(stage).map_or(bits_of(&trace.output), |layer| &layer.b)
 }
 
 fn words_off(traces: &[Trace], real: &Values<f64>, bounds: &[StageBound]) -> Vec<Off> {
@@ -330,7 +332,7 @@ pub(crate) fn bounds(bench: &Bench, network: &str) -> Result<TrialResult, Stoppe
         .map(|batch| {
             let draw = &mut Draw::new(batch as u64);
             let count = BATCH.min(windows - batch * BATCH);
-            let windows: Vec<i16> = (0..count).flat_map(|i| window(draw, pixels, i)).collect();
+            let windows: Vec<InputWord> = (0..count).flat_map(|i| window(draw, pixels, i)).collect();
             compared.batch(&windows)
         })
         .reduce(Found::default, Found::merged);
@@ -349,16 +351,16 @@ pub(crate) fn bounds(bench: &Bench, network: &str) -> Result<TrialResult, Stoppe
 }
 
 /// Windows by turns: extreme words, smooth light with noise, any words.
-fn window(draw: &mut Draw, pixels: usize, i: usize) -> Vec<i16> {
+fn window(draw: &mut Draw, pixels: usize, i: usize) -> Vec<InputWord> {
     match i % 3 {
         0 => edof_device::random::extreme_window(draw, pixels),
         1 => {
             let (level, slope) = (draw.whole(0, 30_000), draw.whole(-200, 200));
             let word =
                 |at: usize, noise: i64| (level + slope * at as i64 / 4 + noise).clamp(0, i64::from(i16::MAX));
-            (0..pixels).map(|at| word(at, draw.whole(-400, 400)) as i16).collect()
+            (0..pixels).map(|at| InputWord::from_bits(word(at, draw.whole(-400, 400)) as i16)).collect()
         }
-        _ => (0..pixels).map(|_| draw.whole(0, i64::from(i16::MAX)) as i16).collect(),
+        _ => (0..pixels).map(|_| InputWord::from_bits(draw.whole(0, i64::from(i16::MAX)) as i16)).collect(),
     }
 }
 

@@ -13,6 +13,7 @@ use crate::stability::methods::CAMERA;
 use crate::stability::outcome::{Measurement, Stopped, TrialResult};
 use crate::stability::scenes;
 use edof_core::camera::Camera;
+use edof_core::number::InputWord;
 use edof_core::overlap::Overlap;
 use edof_core::{CfaPhase, ColourFrame, Geometry, RawFrame, Reconstructor, Tone};
 use edof_deblur::Malvar;
@@ -115,7 +116,7 @@ pub(crate) fn frame(bench: &Bench, frame: &Frame, promise: &Promise) -> Result<T
 }
 
 /// All windows of a frame of light, as input words of the network.
-pub(crate) fn windows(network: &FixedNetwork, raw: &RawFrame) -> Vec<i16> {
+pub(crate) fn windows(network: &FixedNetwork, raw: &RawFrame) -> Vec<InputWord> {
     let geometry = Geometry::new(network.form.window, network.stride);
     let raw = raw.encoded(network.origin.values);
     let (raw, _) = raw.to_rggb();

@@ -3,6 +3,7 @@
 use crate::stability::case::{Case, Trial};
 use crate::stability::outcome::Stopped;
 use crate::stability::{frames, words};
+use edof_core::number::InputWord;
 use edof_golden::fast::Fast;
 use edof_network::FixedNetwork;
 
@@ -11,7 +12,7 @@ use edof_network::FixedNetwork;
 ///
 /// # Errors
 /// What the case itself would say, such as a depth without PSFs.
-pub fn windows(case: &Case, network: &FixedNetwork, max: usize) -> Result<Vec<Vec<i16>>, String> {
+pub fn windows(case: &Case, network: &FixedNetwork, max: usize) -> Result<Vec<Vec<InputWord>>, String> {
     let all = match &case.trial {
         Trial::Frame(_) if matches!(case.promise, crate::stability::case::Promise::Refused { .. }) => vec![],
         Trial::Frame(frame) => {
@@ -24,7 +25,7 @@ pub fn windows(case: &Case, network: &FixedNetwork, max: usize) -> Result<Vec<Ve
     let pixels = network.form.window.pixels();
     let count = all.len() / pixels;
     let every = count.div_ceil(max.max(1)).max(1);
-    Ok(all.chunks_exact(pixels).step_by(every).map(<[i16]>::to_vec).collect())
+    Ok(all.chunks_exact(pixels).step_by(every).map(<[InputWord]>::to_vec).collect())
 }
 
 fn said(stopped: Stopped) -> String {

@@ -8,6 +8,7 @@ use edof_core::display::{CODES, COLOUR_ADDRESS_BITS, DisplayMode};
 use edof_core::draw::Draw;
 use edof_core::frame::Frame422;
 use edof_core::number::ACCUMULATOR_BITS;
+use edof_core::number::{OutputSum, OutputWord};
 use edof_core::{ColourFrame, Geometry, Noise, Stride, Tone, Window};
 use edof_golden::overlap_add::overlap_add;
 use edof_golden::{ColourTable, Counts, Curve, Display};
@@ -81,7 +82,7 @@ fn gamma(subjects: &Subjects) -> Vec<Measurement> {
             let table = ColourTable::new(curve);
             let right = |light: &&i32| {
                 let index = i64::from(**light).clamp(0, i64::from(last)) as usize;
-                (subjects.encoded)(&table, **light) == i32::from(table.entries()[index])
+                (subjects.encoded)(&table, OutputSum::from_bits(**light)) == table.entries()[index]
             };
             let wrong = lights.len() - lights.iter().filter(right).count();
             let what = "light beyond the table reads its first or last entry";
@@ -113,11 +114,9 @@ fn display() -> Vec<Measurement> {
         for colour in
             words.iter().flat_map(|y| words.iter().flat_map(move |cb| words.map(|cr| [*y, *cb, cr])))
         {
-            let plane = |word| Array2::from_elem((2, 4), word);
-            let frame = Frame422 {
-                luma: Array2::from_elem((2, 8), colour[0]),
-                chroma: [plane(colour[1]), plane(colour[2])],
-            };
+            let plane = |width, word| Array2::from_elem((2, width), OutputWord::from_bits(word));
+            let frame =
+                Frame422 { luma: plane(8, colour[0]), chroma: [plane(4, colour[1]), plane(4, colour[2])] };
             let (picture, _) = display.picture(&frame, (0, 0), (2, 8));
             let codes = picture.luma.iter().chain(picture.chroma.iter().flatten());
             outside += codes.filter(|code| !(CODES[0]..=CODES[1]).contains(*code)).count();
@@ -143,14 +142,14 @@ fn overlap() -> Result<TrialResult, Stopped> {
     let geometry = Geometry::new(Window::new(8)?, stride);
     let mut seen = vec![];
     let mut saturations = 0;
-    for word in [i16::MAX, i16::MIN] {
+    for word in [OutputWord::MAX, OutputWord::MIN] {
         let mut counts = Counts::new(2);
         let frame = overlap_add(geometry, size, |_, _| vec![word; 128], &mut counts);
         let held = frame.luma.iter().chain(frame.chroma.iter().flatten()).all(|v| *v == word);
         let all = (2 * size.0 * size.1) as u64;
         let counted = counts.saturated_sums == all;
         seen.push(Measurement::fact(
-            format!("sixteen words of {word}"),
+            format!("sixteen words of {}", word.to_bits()),
             "held to the end, every place counted",
             held && counted,
         ));

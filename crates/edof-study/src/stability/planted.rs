@@ -6,6 +6,7 @@ use crate::stability::case::{self, Case};
 use crate::stability::subjects::Subjects;
 use crate::stability::suite::Suite;
 use edof_core::ColourFrame;
+use edof_core::number::{InputWord, OutputSum, OutputWord, bits_of};
 use edof_golden::fast::Fast;
 use edof_golden::{ColourTable, Trace, scalar};
 use edof_network::weight_file;
@@ -62,7 +63,7 @@ fn every_quick_promise_holds() {
 /// The shift of I off by one.
 #[test]
 fn a_shift_off_by_one_is_found() {
-    fn words(fast: &Fast, windows: &[i16]) -> Vec<Trace> {
+    fn words(fast: &Fast, windows: &[InputWord]) -> Vec<Trace> {
         let mut network = fast.network().clone();
         network.analysis.fraction += 1;
         let pixels = network.form.window.pixels();
@@ -75,7 +76,7 @@ fn a_shift_off_by_one_is_found() {
 #[test]
 fn a_missing_saturation_is_found() {
     /// F's outputs as they come out of an adder of 16 bits.
-    fn words(fast: &Fast, windows: &[i16]) -> Vec<Trace> {
+    fn words(fast: &Fast, windows: &[InputWord]) -> Vec<Trace> {
         let network = fast.network();
         let shifts = network.final_shifts();
         let mut traces = fast.traces(windows);
@@ -85,12 +86,14 @@ fn a_missing_saturation_is_found() {
                 let sum = |weights: ndarray::ArrayView1<'_, i16>, v: &[i16]| {
                     weights.iter().zip(v).map(|(w, v)| i64::from(*w) * i64::from(*v)).sum::<i64>()
                 };
-                let linear =
-                    network.linear_path.as_ref().map_or(0, |r| sum(r.weights.row(row), &trace.input));
+                let linear = network
+                    .linear_path
+                    .as_ref()
+                    .map_or(0, |r| sum(r.weights.row(row), bits_of(&trace.input)));
                 let all = (sum(network.dictionary.weights.row(row), z) << shifts.dictionary)
                     + (linear << shifts.linear_path);
                 let half = if shifts.result == 0 { 0 } else { 1 << (shifts.result - 1) };
-                *word = ((all + half) >> shifts.result) as i16;
+                *word = OutputWord::from_bits(((all + half) >> shifts.result) as i16);
             }
         }
         traces
@@ -136,13 +139,13 @@ fn a_sum_over_a_megapixel_in_single_precision_is_found() {
 
 #[test]
 fn an_index_that_is_not_held_to_its_table_is_found() {
-    fn encoded(table: &ColourTable, light: i32) -> i32 {
-        i32::from(table.entries()[light as usize])
+    fn encoded(table: &ColourTable, light: OutputSum) -> u16 {
+        table.entries()[light.to_bits() as usize]
     }
     found(Subjects { encoded, ..Subjects::default() }, &["gamma-index"]);
     // Wrapped instead of out of bounds: nothing panics.
-    fn wrapped(table: &ColourTable, light: i32) -> i32 {
-        i32::from(table.entries()[(light & 16_383) as usize])
+    fn wrapped(table: &ColourTable, light: OutputSum) -> u16 {
+        table.entries()[(light.to_bits() & 16_383) as usize]
     }
     found(Subjects { encoded: wrapped, ..Subjects::default() }, &["gamma-index"]);
 }

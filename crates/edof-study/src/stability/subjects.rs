@@ -3,6 +3,7 @@
 
 use crate::metrics::MetricError;
 use edof_core::ColourFrame;
+use edof_core::number::{InputWord, OutputSum};
 use edof_golden::fast::Fast;
 use edof_golden::{ColourTable, Trace};
 use ndarray::{Array2, ArrayView2};
@@ -11,11 +12,11 @@ use ndarray::{Array2, ArrayView2};
 #[derive(Debug, Clone, Copy)]
 pub struct Subjects {
     /// Every boundary of windows through a fixed network.
-    pub words: fn(&Fast, &[i16]) -> Vec<Trace>,
+    pub words: fn(&Fast, &[InputWord]) -> Vec<Trace>,
     /// Rounding and saturation of an accumulator: shift, bits.
     pub requantize: fn(i64, u32, u32) -> (i16, bool),
     /// The encoded value of light.
-    pub encoded: fn(&ColourTable, i32) -> i32,
+    pub encoded: fn(&ColourTable, OutputSum) -> u16,
     /// The linear map that best explains samples.
     pub least_squares: fn(ArrayView2<'_, f32>, ArrayView2<'_, f32>, f64) -> Array2<f32>,
     /// PSNR inside a border.

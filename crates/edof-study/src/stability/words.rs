@@ -9,6 +9,7 @@ use crate::stability::bounds::Compared;
 use crate::stability::case::{Instead, Windows, WordNetwork, Words};
 use crate::stability::outcome::{Measurement, Stopped, TrialResult};
 use edof_core::draw::Draw;
+use edof_core::number::{InputWord, bits_of};
 use edof_core::{Stride, Window};
 use edof_golden::fast::Fast;
 use edof_golden::{StageCounts, Trace};
@@ -46,7 +47,11 @@ pub(crate) fn words(bench: &Bench, given: &Words) -> Result<TrialResult, Stopped
 }
 
 /// Windows of one kind for a network.
-pub(crate) fn windows(fast: &Fast, run: fn(&Fast, &[i16]) -> Vec<Trace>, kind: Windows) -> Vec<i16> {
+pub(crate) fn windows(
+    fast: &Fast,
+    run: fn(&Fast, &[InputWord]) -> Vec<Trace>,
+    kind: Windows,
+) -> Vec<InputWord> {
     match kind {
         Windows::Extreme => extreme(fast.network()),
         Windows::BySignsOfRows => by_signs(fast.network()),
@@ -110,18 +115,20 @@ fn put(network: &mut FixedNetwork, instead: Instead) {
     }
 }
 
-fn extreme(network: &FixedNetwork) -> Vec<i16> {
+fn extreme(network: &FixedNetwork) -> Vec<InputWord> {
     let draw = &mut Draw::new(5);
     let pixels = network.form.window.pixels();
     (0..COUNT).flat_map(|_| edof_device::random::extreme_window(draw, pixels)).collect()
 }
 
 /// For rows of A and of R: light wherever a weight is positive, and wherever it is negative.
-fn by_signs(network: &FixedNetwork) -> Vec<i16> {
+fn by_signs(network: &FixedNetwork) -> Vec<InputWord> {
     let matrices = std::iter::once(&network.analysis).chain(&network.linear_path);
     let both = |row: ArrayView1<'_, i16>| {
         let light = |sign: i32| {
-            row.iter().map(|w| if i32::from(*w) * sign > 0 { i16::MAX } else { 0 }).collect::<Vec<_>>()
+            row.iter()
+                .map(|w| if i32::from(*w) * sign > 0 { InputWord::MAX } else { InputWord::ZERO })
+                .collect::<Vec<_>>()
         };
         [light(1), light(-1)].concat()
     };
@@ -131,7 +138,7 @@ fn by_signs(network: &FixedNetwork) -> Vec<i16> {
 }
 
 /// From windows by signs, words put to the ends one at a time as long as the sums of the last stages grow; all windows in flight.
-fn climbing(network: &FixedNetwork, run: impl Fn(&[i16]) -> Vec<Trace>) -> Vec<i16> {
+fn climbing(network: &FixedNetwork, run: impl Fn(&[InputWord]) -> Vec<Trace>) -> Vec<InputWord> {
     let pixels = network.form.window.pixels();
     let draw = &mut Draw::new(7);
     let starts = by_signs(network);
@@ -144,7 +151,7 @@ fn climbing(network: &FixedNetwork, run: impl Fn(&[i16]) -> Vec<Trace>) -> Vec<i
                 let mut window = best.clone();
                 for _ in 0..draw.whole(1, 6) {
                     let at = draw.whole(0, pixels as i64 - 1) as usize;
-                    window[at] = if window[at] == 0 { i16::MAX } else { 0 };
+                    window[at] = if window[at] == 0 { InputWord::MAX } else { InputWord::ZERO };
                 }
                 tries.extend(window);
             }
@@ -166,8 +173,9 @@ fn sums(network: &FixedNetwork, trace: &Trace) -> Vec<Vec<i128>> {
         matrix.weights.row(row).iter().zip(v).map(|(w, v)| i128::from(*w) * i128::from(*v)).sum()
     };
     let codes = network.form.codes;
-    let mut all =
-        vec![(0..codes).map(|row| product(&network.analysis, row, &trace.input)).collect::<Vec<_>>()];
+    let mut all = vec![
+        (0..codes).map(|row| product(&network.analysis, row, bits_of(&trace.input))).collect::<Vec<_>>(),
+    ];
     for t in 0..network.form.middle_layers() {
         let base = match network.form.recurrence {
             Recurrence::Direct => &trace.layers[0].b,
@@ -183,7 +191,7 @@ fn sums(network: &FixedNetwork, trace: &Trace) -> Vec<Vec<i128>> {
     let shifts = network.final_shifts();
     let last = &trace.layers[network.form.shrinkages() - 1].sent;
     let output = |row: usize| {
-        let linear = network.linear_path.as_ref().map_or(0, |r| product(r, row, &trace.input));
+        let linear = network.linear_path.as_ref().map_or(0, |r| product(r, row, bits_of(&trace.input)));
         (product(&network.dictionary, row, last) << shifts.dictionary) + (linear << shifts.linear_path)
     };
     all.push((0..network.dictionary.weights.nrows()).map(output).collect());
@@ -247,7 +255,7 @@ impl Checked {
                 }
                 _ => (network.final_shifts().result, OUTPUT_BITS),
             };
-            let words = trace.layers.get(t).map_or(&trace.output, |layer| &layer.b);
+            let words = trace.layers.get(t).map_or(bits_of(&trace.output), |layer| &layer.b);
             for (sum, word) in sums.iter().zip(words) {
                 let (right, saturated) = rounded(*sum, shift, bits);
                 self.wrong_words += u64::from(right != i128::from(*word));

@@ -13,13 +13,13 @@ use edof_io::levels::{Black, Levels};
 use edof_io::photo;
 use edof_io::raw::{self, Alignment, Size};
 use edof_io::record::{self, RawRecord};
+use edof_optics::Scene;
+use edof_optics::Sensor;
 use edof_optics::capture::{
     Approximation, ApproximationCost, Capture, Depth, capture_told, measure_approximation_told,
 };
 use edof_optics::draw::{Builtin, draw};
 use edof_optics::layers;
-use edof_optics::Scene;
-use edof_optics::Sensor;
 use ndarray::{Axis, s};
 use serde::Serialize;
 use std::path::{Path, PathBuf};

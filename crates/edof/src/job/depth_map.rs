@@ -5,8 +5,8 @@ use super::note::PictureNote;
 use crate::presets::lens::{Depth, DepthRange};
 use edof_core::camera::Camera;
 use edof_io::photo;
-use edof_optics::psi_at;
 use edof_optics::depth_map::{Filled, Unit, fill};
+use edof_optics::psi_at;
 use ndarray::Array2;
 use std::path::{Path, PathBuf};
 

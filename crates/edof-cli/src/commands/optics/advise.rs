@@ -8,13 +8,10 @@ use crate::ui::Ui;
 use edof_core::camera::Camera;
 use edof_core::noise::SensorNoise;
 use edof_core::words::number;
-use edof_io::picture;
-use edof_io::samples::Samples;
 use edof_optics::bound::advise::{Advice, Choice, Kind, NETWORK_ERROR_DB, RANKING_ERROR_DB, advise};
 use edof_optics::bound::lenses::Cubic;
 use edof_optics::bound::{Light, Reached};
 use edof_optics::distance_m;
-use ndarray::Axis;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -42,7 +39,7 @@ pub struct Args {
     #[arg(long, default_value_t = 10_000.0, value_name = "E")]
     electrons: f64,
 
-    /// Camera file to write; a mask's surface is a PNG beside it
+    /// Camera file to write
     #[arg(long, value_name = "FILE", default_value = "out/advised.json")]
     out: PathBuf,
 }
@@ -74,13 +71,11 @@ struct Shown {
 /// # Errors
 /// An unknown camera, numbers out of range, a range that is too wide at every stop, a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let surface = args.out.with_extension("png");
-    let files = args.scene.reads(Files::new(ui)).writes("--out", &args.out);
-    files.writes("--out", &surface).check()?;
+    args.scene.reads(Files::new(ui)).writes("--out", &args.out).check()?;
     let open = with_range(&args.scene.camera(ui)?, args.range)?;
     let light = args.scene.light(args.electrons)?;
     let advice = advise(&open, light, &args.scene.statistics(ui)?)?;
-    let camera = written(&advice, &open, &args, &surface)?;
+    let camera = written(&advice, &open, &args)?;
     let train = train(&args.out, light, advice.advised.stops);
     for line in lines(&advice, &open, light) {
         ui.say(line)?;
@@ -100,8 +95,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     })
 }
 
-/// Writes the advised lens as a camera file, with the surface of its mask beside it.
-fn written(advice: &Advice, open: &Camera, args: &Args, surface: &Path) -> Result<Camera, Error> {
+/// Writes the advised lens as a camera file.
+fn written(advice: &Advice, open: &Camera, args: &Args) -> Result<Camera, Error> {
     let mut camera = advice.advised.camera.clone();
     camera.name = args.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     camera.source = format!(
@@ -111,14 +106,6 @@ fn written(advice: &Advice, open: &Camera, args: &Args, surface: &Path) -> Resul
         number(open.psi_range[1]),
         number(args.electrons)
     );
-    if let (Kind::Cubic(_), Some(map)) = (advice.advised.kind, camera.mask.height_maps_mut().next()) {
-        map.file = surface.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if let Some(heights) = &map.heights {
-            let codes = heights.mapv(|v| (v * f32::from(u16::MAX)).round() as u16);
-            let planes = codes.insert_axis(Axis(0));
-            picture::save(surface, &Samples { planes, full_scale: u16::MAX })?;
-        }
-    }
     edof_core::storage::atomic::write(&args.out, camera.to_json().as_bytes())?;
     Ok(camera)
 }

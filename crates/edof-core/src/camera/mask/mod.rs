@@ -6,11 +6,13 @@
 pub mod glass;
 pub mod height_map;
 pub mod phase;
+mod polynomial;
 mod profile;
 mod ring;
 mod zernike;
 
 pub use height_map::HeightMap;
+pub use polynomial::{Monomial, Polynomial};
 pub use profile::Profile;
 pub use ring::{Delay, Ring};
 pub use zernike::{Aberration, Zernike};
@@ -63,6 +65,8 @@ terms! {
     HeightMap,
     /// A sum of Zernike polynomials.
     Zernike,
+    /// A polynomial of the place, as in cubic masks.
+    Polynomial,
 }
 
 /// The terms of a mask: rings first, then profiles, then height maps, then all others; terms of one kind in the order in which they were given.

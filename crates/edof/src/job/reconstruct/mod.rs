@@ -261,9 +261,9 @@ fn save_words(
     for boundary in boundaries {
         npz.add(&boundary.name, &boundary.words)?;
     }
-    npz.add("luma", &frame.luma)?;
-    npz.add("cb", &frame.chroma[0])?;
-    npz.add("cr", &frame.chroma[1])?;
+    for (name, plane) in ["luma", "cb", "cr"].into_iter().zip(frame.bits()) {
+        npz.add(name, &plane)?;
+    }
     npz.add("y_code", &codes.luma)?;
     npz.add("cb_code", &codes.chroma[0])?;
     npz.add("cr_code", &codes.chroma[1])?;
