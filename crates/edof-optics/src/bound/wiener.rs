@@ -100,7 +100,7 @@ pub(super) const fn alias((r, c): (usize, usize), k: usize) -> (usize, usize) {
 /// Half of exp(iπ k·δ): what the place `p` of the mosaic has of the alias `k`.
 pub(super) const fn share(p: usize, k: usize) -> f64 {
     let turns = PLACES[p].0 * PLACES[k].0 + PLACES[p].1 * PLACES[k].1;
-    if turns % 2 == 0 { 0.5 } else { -0.5 }
+    if turns & 1 == 0 { 0.5 } else { -0.5 }
 }
 
 /// Plane of each place of the mosaic.
@@ -211,15 +211,11 @@ fn explained<const Q: usize, const N: usize>(seen: &[Seen<Q, N>], noise: f64) ->
     let product = |map: &[[Complex64; Q]; N], xy: &[[Complex64; Q]; N]| -> f64 {
         map.iter().flatten().zip(xy.iter().flatten()).map(|(w, x)| (w * x.conj()).re).sum()
     };
+    let pairs = || (0..Q).flat_map(|p| (0..Q).map(move |q| (p, q)));
+    let noise_power = noise * (0..Q).map(|p| gram[p][p].re).sum::<f64>();
     let blind = |s: &Seen<Q, N>| {
-        let mut power = 0.0;
-        for p in 0..Q {
-            for q in 0..Q {
-                power += (gram[p][q] * s.yy[q][p]).re;
-            }
-            power += gram[p][p].re * noise;
-        }
-        2.0 * product(&map, &s.xy) - power
+        let power: f64 = pairs().map(|(p, q)| (gram[p][q] * s.yy[q][p]).re).sum();
+        2.0 * product(&map, &s.xy) - power - noise_power
     };
     let known = |s: &Seen<Q, N>| product(&wiener_map(s, noise), &s.xy);
     [seen.iter().map(blind).collect(), seen.iter().map(known).collect()]
