@@ -198,6 +198,11 @@ if {[llength $pads] == 0} { fail "no register asks for a place in a pad" }
 foreach cell $pads {
     if {![regexp {^[IO]LOGIC} [get_property LOC $cell]]} { fail "[get_property NAME $cell] is at [get_property LOC $cell], expected in its pad" }
 }
+# The receiver's data pass the zero-hold delay of their pads, for which the input's budget is calculated.
+foreach port [get_ports {hdmi_rx_data[*]}] {
+    set delay [get_property IOBDELAY $port]
+    if {$delay ne "IFD"} { fail "the input delay of [get_property NAME $port] is '$delay', expected IFD (constraints/kc705.xdc)" }
+}
 # Banks 32 and 34 of the DRAM have no resistors of their own.
 set cascade [get_property DCI_CASCADE [get_iobanks 33]]
 if {[lsort $cascade] ne {32 34}} { fail "bank 33 gives its impedance to banks '$cascade', expected 32 and 34" }

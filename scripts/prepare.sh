@@ -17,10 +17,10 @@ install_packages() {
     DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -qq --no-install-recommends "$@" >/dev/null
 }
 
-# Installs what runs and maps Verilog, where it is missing: for whoever simulates, not for the demo.
+# Installs what runs and maps Verilog, and what reads an EDID, where it is missing: for whoever simulates, not for the demo.
 need_simulators() {
     local missing=() tool
-    for tool in verilator iverilog yosys g++ make; do
+    for tool in verilator iverilog yosys g++ make edid-decode; do
         command -v "$tool" >/dev/null || missing+=("$tool")
     done
     # Headers for compressed waveforms.

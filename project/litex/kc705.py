@@ -206,7 +206,7 @@ class Kc705(EdofSoC):
 def constrain(platform):
     """Timing of the video pins as constraints/kc705.xdc has it, and the limits of the core's clock-domain crossings."""
     for line in XDC.splitlines():
-        if re.match(r"(create_clock -name hdmi_rx|set_input_delay|create_generated_clock|set_output_delay) ", line):
+        if re.match(r"(create_clock -name hdmi_rx|set_property IOBDELAY|set_input_delay|create_generated_clock|set_output_delay) ", line):
             platform.add_platform_command(escaped(line))
     slow = "iic_scl iic_sda fmc_iic_scl fmc_iic_sda"
     platform.add_platform_command(escaped(f"set_false_path -from [get_ports {{cpu_reset serial_rx {slow}}}]"))

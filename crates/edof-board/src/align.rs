@@ -1,12 +1,18 @@
 //! The receiver's output clock moved to where the FPGA samples its data well: every polarity and tap is tried, and the sync codes inside of
 //! the pixels say whether it works.
+//!
+//! A tap is a part of the clock's period, and so is the window: what is found at one clock says nothing of another.
 
 use crate::board::Board;
 use crate::chips::{Bus, ChipRegister};
+use crate::clocks::is_clock;
 use crate::error::Error;
 use crate::line::Line;
-use edof_device::i2c::receiver::{CLOCK_POLARITY, CLOCK_TAP, IO, TAPS, clock_polarity, clock_tap};
+use edof_device::Design;
+use edof_device::i2c::receiver::{CLOCK_POLARITY, CLOCK_TAP, IO, clock_polarity, clock_tap};
+use edof_device::input_timing::TAPS;
 use edof_device::registers::map::{INPUT_CODES, VIDEO_SETUP, register};
+use edof_device::video::VideoTiming;
 use serde::Serialize;
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -76,6 +82,15 @@ pub struct Alignment {
     pub window: Window,
 }
 
+/// What is asked of an alignment.
+#[derive(Debug, Clone, Copy)]
+pub struct Align<'a> {
+    /// Undamaged sync codes required of a good setting.
+    pub codes: u32,
+    /// The design whose pixel clock the receiver must have; `None` for a simulated circuit, which has another.
+    pub clock_of: Option<&'a Design>,
+}
+
 /// Codes after a change that do not count, and for how long they are waited for.
 const SETTLING: u32 = 8;
 const SETTLED: Duration = Duration::from_millis(20);
@@ -83,22 +98,26 @@ const SETTLED: Duration = Duration::from_millis(20);
 const PATIENCE: Duration = Duration::from_millis(250);
 
 impl<L: Line> Board<L> {
-    /// Tries every polarity and tap of the receiver's clock until N sync codes came, sets the middle of the largest window that works, and
-    /// keeps it for later set-ups. `told` receives each trial and may end the search.
+    /// Tries every polarity and tap of the receiver's clock, sets the middle of the largest window that works, and keeps it for later
+    /// set-ups. `report` receives each trial and may end the search.
     ///
     /// # Errors
-    /// The receiver is not set up, nothing comes, or nothing works, when the settings are as before; or the line fails.
+    /// The receiver is not set up or has another clock than the design's, nothing comes, or nothing works, when the settings are as before; or
+    /// the line fails.
     pub fn align(
         &mut self,
-        codes: u32,
-        told: &mut dyn FnMut(&Trial) -> ControlFlow<()>,
+        align: Align<'_>,
+        report: &mut dyn FnMut(&Trial) -> ControlFlow<()>,
     ) -> Result<Alignment, Error> {
         let done = "i2c_card.done".parse().and_then(|place| self.get(place))?;
         if done == 0 {
             return Err(Error::NoReceiver { port: self.port() });
         }
+        if let Some(design) = align.clock_of {
+            self.check_clock(design)?;
+        }
         let before = self.link.read(VIDEO_SETUP, 1)?[0];
-        let trials = self.try_all(codes, told);
+        let trials = self.try_all(align.codes, report);
         let chosen = trials.and_then(|trials| match Window::largest(&trials) {
             Some(window) => Ok(Alignment { trials, window }),
             None => Err(self.nothing_works(&trials)),
@@ -117,10 +136,20 @@ impl<L: Line> Board<L> {
         }
     }
 
+    fn check_clock(&mut self, design: &Design) -> Result<(), Error> {
+        let wanted = VideoTiming::on_the_cable(design.frame);
+        let expected = wanted.pixel_khz as f64 / 1e3;
+        let found = self.pixel_clocks(design.board)?.map_or(0.0, |clocks| clocks.input);
+        if is_clock(found, expected) {
+            return Ok(());
+        }
+        Err(Error::OtherClock { port: self.port(), found, expected, mode: wanted.name() })
+    }
+
     fn try_all(
         &mut self,
         codes: u32,
-        told: &mut dyn FnMut(&Trial) -> ControlFlow<()>,
+        report: &mut dyn FnMut(&Trial) -> ControlFlow<()>,
     ) -> Result<Vec<Trial>, Error> {
         let mut trials = vec![];
         for is_inverted in [false, true] {
@@ -129,7 +158,7 @@ impl<L: Line> Board<L> {
                 let [codes, malformed] = self.count_codes(codes)?;
                 let trial = Trial { is_inverted, tap, codes, malformed };
                 trials.push(trial);
-                if told(&trial).is_break() {
+                if report(&trial).is_break() {
                     return Err(Error::Interrupted);
                 }
             }

@@ -2,6 +2,7 @@
 
 use crate::status::StatusSnapshot;
 use edof_device::i2c::{self, Cause};
+use edof_device::video::VideoTiming;
 use serde::Serialize;
 
 /// What is said of a chip.
@@ -52,7 +53,7 @@ fn set_up(look: &StatusSnapshot, register: &str, bus: usize) -> Result<(), Strin
     if value("failed") == 0 {
         return Err(format!("is being set up, entry {entry}"));
     }
-    let program = &i2c::programs()[bus];
+    let program = &i2c::programs(VideoTiming::P1080_60)[bus];
     let step = program.get(entry as usize).map_or("", |entry| entry.doc);
     let cause = Cause::of_number(value("cause"));
     let told = cause.map_or_else(|| "fails".to_owned(), |cause| cause.to_string());
@@ -78,7 +79,7 @@ fn receiver(look: &StatusSnapshot) -> Result<String, String> {
     let missing = if !is("receiver.cable") {
         "no source: no 5 V comes through its cable".to_owned()
     } else if !is("receiver.clock") {
-        "the source sends nothing: it sleeps, or does not take the EDID, which lists 1080p60 alone".to_owned()
+        "the source sends nothing: it sleeps, or does not take the mode of the EDID".to_owned()
     } else if !is("receiver.tmds_locked") {
         "not locked to the source's clock: cable, or more than 165 MHz".to_owned()
     } else if !is("receiver.vertical_locked") || !is("receiver.de_locked") {

@@ -141,6 +141,12 @@ pub enum Error {
         "{port}: the receiver is not set up, so that there is nothing to align; 'edof board status' says why"
     )]
     NoReceiver { port: String },
+    /// The receiver has the clock of another mode.
+    #[error(
+        "{port}: the receiver's clock is {found:.2} MHz, the design's {expected:.2} MHz: a setting for one clock says nothing of another; \
+         let the source send {mode}, or unplug it: the receiver then sends a picture of its own at the design's clock"
+    )]
+    OtherClock { port: String, found: f64, expected: f64, mode: String },
     /// Nothing came from the receiver.
     #[error(
         "{port}: no sync codes came at any setting of the receiver's clock: it does not run, or its pins are wired otherwise; the settings \

@@ -51,6 +51,7 @@ pub mod board;
 pub mod check;
 pub mod chip_models;
 pub mod chips;
+pub mod clocks;
 pub mod contents;
 pub mod diagnosis;
 pub mod dry_run;

@@ -2,6 +2,7 @@
 
 use crate::board::Board;
 use crate::check::{Boundary, Difference};
+use crate::clocks::is_clock;
 use crate::diagnosis::findings;
 use crate::error::Error;
 use crate::line::Line;
@@ -49,10 +50,6 @@ pub struct SelfTest<'a> {
 
 /// Frames per pattern: each of the three buffers once or more.
 const FRAMES: u32 = 4;
-/// Share by which a clock may be off: an oscillator is off by 1e-4, two looks at counters by less than 1e-2 at any line's speed.
-const CLOCK_SHARE: f64 = 0.01;
-/// Looks at the cycle counters.
-const CYCLE_LOOKS: usize = 50;
 
 impl<L: Line> Board<L> {
     /// Tries every part in the order in which data pass, and continues after one that fails. Leaves the source's frames in use.
@@ -153,27 +150,21 @@ impl<L: Line> Board<L> {
 
     /// Clocks of screen and input in cycles of the core's.
     fn try_clocks(&mut self, test: &SelfTest<'_>) -> Result<Result<String, String>, Error> {
-        let before = self.link.glance(map::CORE_CYCLES, 3)?;
-        let mut after = before.clone();
-        for _ in 0..CYCLE_LOOKS {
-            after = self.link.glance(map::CORE_CYCLES, 3)?;
-        }
-        let passed: Vec<f64> =
-            after.iter().zip(&before).map(|(now, then)| f64::from(now.wrapping_sub(*then))).collect();
-        let core = f64::from(test.design.board.core_khz) / 1e3;
-        let megahertz = |clock: usize| passed[clock] / passed[0].max(1.0) * core;
-        let told = format!(
-            "at {core} MHz of the core: screen {:.2} MHz, input {:.2} MHz",
-            megahertz(2),
-            megahertz(1)
-        );
         let expected = VideoTiming::of_frame(test.design.frame).pixel_khz as f64 / 1e3;
-        let is_right = (megahertz(2) / expected - 1.0).abs() <= CLOCK_SHARE;
-        let runs = passed[0] > 0.0 && passed[2] > 0.0;
-        Ok(if runs && (is_right || !test.clocks) {
-            Ok(told)
+        let board = test.design.board;
+        let core = f64::from(board.core_khz) / 1e3;
+        let Some(clocks) = self.pixel_clocks(board)? else {
+            return Ok(Err("the core's clock stands still".into()));
+        };
+        let rates = format!(
+            "at {core} MHz of the core: screen {:.2} MHz, input {:.2} MHz",
+            clocks.screen, clocks.input
+        );
+        let is_right = is_clock(clocks.screen, expected) || !test.clocks;
+        Ok(if clocks.screen > 0.0 && is_right {
+            Ok(rates)
         } else {
-            Err(format!("{told}; the screen's must be {expected:.2} MHz"))
+            Err(format!("{rates}; the screen's must be {expected:.2} MHz"))
         })
     }
 }

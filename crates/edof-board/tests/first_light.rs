@@ -8,8 +8,9 @@ use edof_board::chip_models::adv7611::State;
 use edof_board::chip_models::edid::EdidError;
 use edof_board::chip_models::hdmi::{Coding, Pixel, rgb_of};
 use edof_board::chip_models::source::{Picture, Source, State as Playing};
-use edof_board::chip_models::{LowHotPlug, Screen};
+use edof_board::chip_models::{LowHotPlug, Screen, Timing};
 use edof_device::i2c::{Action, SLOTS, programs};
+use edof_device::video::VideoTiming;
 use player::{Board, Card, Player, SMALL, words};
 
 /// Two halves of seven bits around the middle, as raw words cross a cable: every one of them somewhere.
@@ -28,13 +29,13 @@ fn source(picture: Picture) -> Option<Source> {
 
 /// The program of the card's bus, changed.
 fn card_program(change: impl Fn(&mut Vec<Action>)) -> Vec<Action> {
-    let [_, card] = programs();
+    let [_, card] = programs(VideoTiming::P1080_60);
     changed(card.iter().map(|entry| entry.action).collect(), change)
 }
 
 /// The program of the board's bus, changed.
 fn board_program(change: impl Fn(&mut Vec<Action>)) -> Vec<Action> {
-    let [board, _] = programs();
+    let [board, _] = programs(VideoTiming::P1080_60);
     changed(board.iter().map(|entry| entry.action).collect(), change)
 }
 
@@ -93,6 +94,34 @@ fn raw_words_reach_the_pins() {
     // Cable, clock and both locks; 16 columns, 8 rows.
     assert_eq!(player.slots[..2], [0x53, 0x01]);
     assert_eq!([player.slots[4], player.slots[6]], [16, 8]);
+}
+
+/// Without a source the receiver has the clock of the design's mode, and a source gets the mode that it asks the EDID for, no other.
+#[test]
+fn every_mode_has_its_own_free_run_and_edid() {
+    let modes = [
+        (VideoTiming::P720_60, Timing::P720_60),
+        (VideoTiming::P1080_60, Timing::P1080_60),
+        (VideoTiming::P1080_30, Timing::P1080_30),
+    ];
+    assert_eq!(modes.map(|(mode, _)| mode), VideoTiming::MODES);
+    for (mode, timing) in modes {
+        let [_, program] = programs(mode);
+        let program: Vec<Action> = program.iter().map(|entry| entry.action).collect();
+        let mut player = Player::new(Card::new(), program);
+        player.play(30);
+        assert!(player.is_done, "{:?}", player.failure);
+        assert_eq!(player.wires.card.receiver().free_run(), Some(timing));
+        assert_eq!(player.wires.card.clock_khz(), timing.khz);
+        for asked in modes.map(|(_, asked)| asked) {
+            let mut source = source(halves()).unwrap();
+            source.mode = asked;
+            player.wires.card.plug(Some(source));
+            player.play(10);
+            let expected = if asked == timing { Playing::Sends(Coding::Ycc422) } else { Playing::NoMode };
+            assert_eq!(player.wires.card.source().unwrap().state(), expected, "{asked:?}");
+        }
+    }
 }
 
 #[test]

@@ -11,8 +11,9 @@ use edof_board::chip_models::source::{Picture, State as Playing};
 use edof_board::chip_models::{Delays, Imageon, Kc705, LowHotPlug, Screen, Source};
 use edof_board::chips::{Bus, ChipRegister};
 use edof_board::link::PATIENCE;
+use edof_board::simulated::chips::{cable, source};
 use edof_core::{DisplayMode, RawFrame, Stride, cable};
-use edof_cosim::system::cables::{self, Cables, Compiled, PACE, cable_timing};
+use edof_cosim::system::cables::{self, Cables, Compiled, PACE};
 use edof_cosim::system::{drawn, leisurely, picture};
 use edof_device::Design;
 use edof_device::board::KC705;
@@ -55,13 +56,13 @@ impl Setup {
     /// A source that sends the raw frame.
     fn source(&self) -> Option<Source> {
         let frame: Picture = self.raw.pixels().iter().map(|word| cable::codes(*word)).collect();
-        Some(Source::new(cable_timing(VideoTiming::of_frame(self.design.frame)), vec![frame]))
+        Some(source(self.design.frame, vec![frame]))
     }
 
     fn start(&self, low: LowHotPlug, seed: u64) -> Cables {
         let delays = Delays::of(PACE.millisecond.into());
         let mut card = Imageon::new(delays);
-        card.set_free_run(cable_timing(VideoTiming::of_frame(self.design.frame)));
+        card.shorten_free_run(cable(VideoTiming::of_frame(self.design.frame)));
         let chips = (Kc705::new(delays, low), card);
         let compiled = Compiled::new(&self.project, &support::options()).unwrap();
         Cables::start(&compiled, leisurely(&self.design), chips, seed).unwrap()
@@ -185,7 +186,8 @@ fn a_receiver_held_in_reset_is_named_and_the_picture_comes_when_it_is_let_go() {
 fn image(bus: usize, actions: impl IntoIterator<Item = Action>) -> (String, String) {
     let setup = KC705.setups().nth(bus).unwrap();
     let words = actions.into_iter().chain([Action::Done]).map(Action::word).chain(std::iter::repeat(0));
-    let text = words.take(depth(&(setup.program)())).map(|word| format!("{word:08x}\n")).collect();
+    let program = (setup.program)(VideoTiming::P1080_60);
+    let text = words.take(depth(&program)).map(|word| format!("{word:08x}\n")).collect();
     (setup.image.to_owned(), text)
 }
 

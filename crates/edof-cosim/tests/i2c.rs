@@ -7,6 +7,7 @@ use edof_cosim::bench::{Actor, Bench, ClockId};
 use edof_cosim::verilator::{Library, Model, Start};
 use edof_cosim::{Error, Source};
 use edof_device::i2c::{self, Action, Cause, Entry};
+use edof_device::video::VideoTiming;
 use edof_hdl::board::{ChipSetup, Pace};
 use std::collections::BTreeMap;
 
@@ -316,7 +317,7 @@ pub fn modelled(program: &[Entry], chips: Chips, entries: usize) -> Setup<Chips>
 
 #[test]
 fn chips_get_what_the_model_gives_whatever_they_reject() {
-    for (seed, program) in (0..).zip(i2c::programs()) {
+    for (seed, program) in (0..).zip(i2c::programs(VideoTiming::P1080_60)) {
         let mut rig = Rig::new(&program, with_screen(), seed);
         (rig.wire.refuses, rig.wire.stretch) = (3, 50);
         rig.done();
@@ -344,7 +345,7 @@ fn chips_get_what_the_model_gives_whatever_they_reject() {
 
 #[test]
 fn without_refusals_slots_and_word_are_the_models() {
-    for (seed, program) in (10..).zip(i2c::programs()) {
+    for (seed, program) in (10..).zip(i2c::programs(VideoTiming::P1080_60)) {
         let mut chips = with_screen();
         let draw = &mut Draw::new(seed);
         for (device, register) in [(0x4c, 0x6a), (0x4c, 0x6f), (0x34, 0x05), (0x34, 0x08), (0x22, 0xff)] {
@@ -369,7 +370,7 @@ fn without_refusals_slots_and_word_are_the_models() {
 
 #[test]
 fn a_screen_that_is_plugged_in_gets_the_whole_table_again() {
-    let [program, _] = i2c::programs();
+    let [program, _] = i2c::programs(VideoTiming::P1080_60);
     let mut rig = Rig::new(&program, Chips::default(), 3);
     rig.done();
     assert_eq!(rig.wire.chips.writes(0x39, 0xd6), 1);
@@ -393,14 +394,16 @@ fn a_screen_that_is_plugged_in_gets_the_whole_table_again() {
 
 #[test]
 fn a_receiver_that_was_reset_is_set_up_again_with_its_hot_plug_low() {
-    let [_, program] = i2c::programs();
+    let [_, program] = i2c::programs(VideoTiming::P1080_60);
     let mut rig = Rig::new(&program, Chips::default(), 4);
     rig.done();
     let log = &rig.wire.chips.log;
     let at = |entry: (u8, u8, u8, bool)| log.iter().position(|found| *found == entry).unwrap();
     // Reset is let go before anything is written to it, and hot plug rises after its EDID.
     assert!(at((0x20, 1, 0x01, false)) < at((0x4c, 0xf4, 0x80, false)));
-    assert!(at((0x36, 0xff, i2c::edid::edid()[255], false)) < at((0x32, 0x74, 0x01, false)));
+    assert!(
+        at((0x36, 0xff, i2c::edid::edid(VideoTiming::P1080_60)[255], false)) < at((0x32, 0x74, 0x01, false))
+    );
     assert!(at((0x32, 0x74, 0x01, false)) < at((0x20, 1, 0x05, false)));
     let kept = |register| rig.wire.chips.registers[&(0x4c, register)];
     assert_eq!((kept(0x19), kept(0x06)), (0x9b, 0xa1), "as the host has it");
@@ -412,7 +415,7 @@ fn a_receiver_that_was_reset_is_set_up_again_with_its_hot_plug_low() {
 
 #[test]
 fn a_data_line_that_is_stuck_is_freed_by_clocks_or_told() {
-    let [program, _] = i2c::programs();
+    let [program, _] = i2c::programs(VideoTiming::P1080_60);
     let mut rig = Rig::new(&program, Chips::default(), 5);
     rig.done();
     let before = rig.get("word_o") >> 22;
@@ -443,7 +446,7 @@ fn a_data_line_that_is_stuck_is_freed_by_clocks_or_told() {
 
 #[test]
 fn a_clock_line_that_is_held_is_reported_within_the_time_that_is_stated() {
-    let [program, _] = i2c::programs();
+    let [program, _] = i2c::programs(VideoTiming::P1080_60);
     let mut rig = Rig::new(&program, Chips::default(), 6);
     rig.done();
     rig.wire.held = u32::MAX;
@@ -456,7 +459,7 @@ fn a_clock_line_that_is_held_is_reported_within_the_time_that_is_stated() {
 
 #[test]
 fn another_master_only_delays() {
-    let [program, _] = i2c::programs();
+    let [program, _] = i2c::programs(VideoTiming::P1080_60);
     let mut rig = Rig::new(&program, Chips::default(), 7);
     rig.wire.disturbs = 60;
     rig.until("done", |rig| rig.get("done_o") == 1);
@@ -473,7 +476,7 @@ fn another_master_only_delays() {
 
 #[test]
 fn a_chip_that_is_missing_is_reported_and_taken_up_when_it_comes() {
-    let [_, program] = i2c::programs();
+    let [_, program] = i2c::programs(VideoTiming::P1080_60);
     let missing = Chips { missing: vec![0x4c], ..Chips::default() };
     let mut rig = Rig::new(&program, missing, 8);
     rig.until("failed", |rig| rig.get("failed_o") == 1);
@@ -509,7 +512,7 @@ fn a_register_that_reads_back_another_value_is_a_failure() {
 
 #[test]
 fn the_host_reads_and_writes_between_the_programs_steps() {
-    let [program, _] = i2c::programs();
+    let [program, _] = i2c::programs(VideoTiming::P1080_60);
     let mut rig = Rig::new(&program, Chips::default(), 11);
     let place = |device: u32, register: u32| device << 16 | register << 8;
     let (read, bare, card) = (1 << 23, 1 << 24, 1 << 25);

@@ -3,6 +3,7 @@
 
 use crate::common::{committed, moderate, networks, root};
 use crate::support;
+use edof_board::align::Align;
 use edof_board::chip_models::{Eye, Imageon};
 use edof_board::diagnosis::findings;
 use edof_board::dry_run::plan;
@@ -271,7 +272,9 @@ fn the_receiver_is_set_up_and_aligned<K: Kind>(mut board: K, seeds: std::ops::Ra
     for seed in seeds {
         let eye = Eye::drawn(seed);
         board.card().set_eye(eye.clone());
-        let alignment = open(&mut board).align(30, &mut |_| ControlFlow::Continue(())).unwrap();
+        let alignment = open(&mut board)
+            .align(Align { codes: 30, clock_of: None }, &mut |_| ControlFlow::Continue(()))
+            .unwrap();
         let chosen = (alignment.window.is_inverted, usize::from(alignment.window.middle()));
         assert!(eye.is_open(chosen.0, chosen.1), "{eye:?}: {chosen:?}");
         assert_eq!(board.card().receiver().clock_phase(), chosen);

@@ -7,6 +7,7 @@ use edof_cosim::yosys::timing::{self, Kind, PartTiming};
 use edof_device::Design;
 use edof_device::board::{KC705, Resources};
 use edof_device::design::StagePlan;
+use edof_device::video::VideoTiming;
 use edof_golden::Display;
 use edof_hdl::blocks::window_guard::WindowGuard;
 use edof_hdl::board::blocks::{self, Domain};
@@ -89,7 +90,7 @@ fn what_makes_windows_whole_is_short_of_path_and_load_and_as_estimated() {
 /// What `kc705_core` has beside the core (set-up of the video chips at the core's clock, sync codes at the receiver's), and the host's registers.
 #[test]
 fn what_speaks_to_the_video_chips_and_the_host_is_short_of_path() {
-    let program = &edof_device::i2c::programs()[1];
+    let program = &edof_device::i2c::programs(VideoTiming::P1080_60)[1];
     let mut setup = ChipSetup::new(&Pace::of(&KC705), program, "mem/i2c_imageon.mem", true);
     let image = edof_device::i2c::image(program);
     let setup = project::of_circuit(&mut setup, vec![("mem/i2c_imageon.mem".into(), image)]).unwrap();

@@ -19,6 +19,7 @@ pub mod crc;
 pub mod design;
 pub mod fifos;
 pub mod i2c;
+pub mod input_timing;
 pub mod pattern;
 #[cfg(feature = "random")]
 pub mod random;

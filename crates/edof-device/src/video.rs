@@ -81,10 +81,30 @@ impl VideoTiming {
         })
     }
 
+    /// The mode for which the video chips are set up: that of the frames; [`VideoTiming::P1080_60`] for frames of no mode, which stand for it
+    /// in simulation.
+    #[must_use]
+    pub fn on_the_cable(frame: FrameSize) -> Self {
+        Self::mode(frame).unwrap_or(Self::P1080_60)
+    }
+
     /// Columns and rows of its picture, as in `1920x1080`.
     #[must_use]
     pub fn size(self) -> String {
         format!("{}x{}", self.line.active, self.frame.active)
+    }
+
+    /// Its video identification code in CEA-861; `None` where it has none.
+    #[must_use]
+    pub fn code(self) -> Option<u8> {
+        let codes = [(Self::P720_60, 4), (Self::P1080_60, 16), (Self::P1080_30, 34)];
+        codes.into_iter().find(|(mode, _)| *mode == self).map(|(_, code)| code)
+    }
+
+    /// Size and rate, as in `1920x1080 at 60 Hz`.
+    #[must_use]
+    pub fn name(self) -> String {
+        format!("{} at {:.0} Hz", self.size(), self.frames_per_second())
     }
 
     /// Returns the pixel cycles without an edge of the vertical sync after which there is no signal: four frames, as far as 24 bits go.

@@ -40,7 +40,7 @@ pub fn project(
         let mut small_core = (circuits.core)(&small, sets, identity, tables)?;
         let tried = project::of_circuit(&mut *small_core, vec![])?;
         let mut top = (circuits.top)(design, sets, identity, tables)?;
-        let images = project::images(design, sets).into_iter().chain(tables.images(design.board)).collect();
+        let images = project::images(design, sets).into_iter().chain(tables.images(design)).collect();
         let core = project::of_circuit(&mut *top, images)?;
         let benches = benches::files(&core, &calculator, &tried, recorded);
         let mut files = made_files(design, &core)?;
@@ -101,10 +101,9 @@ fn numbers(design: &Design) -> Result<Vec<(String, String)>, ProjectError> {
     if let Some(screen) = clocks.screen {
         numbers.extend(figures("screen", screen));
         if let Some(input) = &board.video_in {
-            let falls = screen.period_ns() / 2.0;
-            let [before, after] = input.changes_ns;
-            numbers.push(("input_delay_max".to_owned(), format!("{:.3}", falls + after)));
-            numbers.push(("input_delay_min".to_owned(), format!("{:.3}", falls - before)));
+            let [earliest, latest] = (input.delays_ns)(screen.period_ns());
+            numbers.push(("input_delay_max".to_owned(), format!("{latest:.3}")));
+            numbers.push(("input_delay_min".to_owned(), format!("{earliest:.3}")));
         }
     }
     Ok(numbers)
@@ -137,4 +136,34 @@ fn lists(text: &str, core: &Project, benches: &Benches) -> String {
         .replace("@core_rtl@\n", &list(&mut benches.core_verilog.iter().cloned()))
         .replace("@memory@\n", &list(&mut core.memory.iter().map(|(path, _)| copied(path))))
         .replace("@recorded@\n", &list(&mut benches::RECORDED.iter().map(|path| copied(path))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use edof_device::video::VideoTiming;
+
+    /// The pin-to-pin figures of 7-series HR pads behind their zero-hold delay at speed grade -2: set-up and hold before the clock's edge
+    /// (DS189 1.10, table 44, XC7S6 to XC7S100).
+    const PADS: [(f64, f64); 5] = [(2.76, -0.40), (2.67, -0.37), (2.66, -0.28), (2.91, -0.33), (2.91, -0.33)];
+
+    #[test]
+    fn the_inputs_constraints_leave_what_the_pads_need() {
+        for mode in VideoTiming::MODES {
+            let mut design = Design::from_json(include_str!("../../../designs/kc705.json")).unwrap();
+            (design.frame.width, design.frame.height) = (mode.line.active, mode.frame.active);
+            let period = design.clocks().unwrap().screen.unwrap().period_ns();
+            let numbers = numbers(&design).unwrap();
+            let delay = |which: &str| -> f64 {
+                let name = format!("input_delay_{which}");
+                numbers.iter().find(|(key, _)| *key == name).unwrap().1.parse().unwrap()
+            };
+            for (set_up, hold) in PADS {
+                assert!(period - delay("max") >= set_up, "{}: set-up", mode.name());
+                assert!(delay("min") >= hold, "{}: hold", mode.name());
+            }
+        }
+        let constraints = include_str!("../../../constraints/kc705.xdc");
+        assert!(constraints.contains("set_property IOBDELAY IFD [get_ports {hdmi_rx_data[*]}]"));
+    }
 }

@@ -32,13 +32,37 @@ pub struct Timing {
     pub khz: u32,
 }
 
+/// A progressive timing of CEA-861 or VESA DMT: along a line, along a frame, kilohertz.
+const fn timing(line: [usize; 4], frame: [usize; 4], khz: u32) -> Timing {
+    let [active, front, sync, back] = line;
+    let line = Axis { active, front, sync, back };
+    let [active, front, sync, back] = frame;
+    Timing { line, frame: Axis { active, front, sync, back }, khz }
+}
+
 impl Timing {
+    /// CEA-861 format 1, VESA DMT 4: 640×480 at 59.94 Hz.
+    pub const VGA: Self = timing([640, 16, 96, 48], [480, 10, 2, 33], 25_175);
+    /// CEA-861 format 4: 1280×720 at 60 Hz.
+    pub const P720_60: Self = timing([1280, 110, 40, 220], [720, 5, 5, 20], 74_250);
+    /// CEA-861 format 19: 1280×720 at 50 Hz.
+    pub const P720_50: Self = timing([1280, 440, 40, 220], [720, 5, 5, 20], 74_250);
     /// CEA-861 format 16: 1920×1080 at 60 Hz.
-    pub const P1080_60: Self = Self {
-        line: Axis { active: 1920, front: 88, sync: 44, back: 148 },
-        frame: Axis { active: 1080, front: 4, sync: 5, back: 36 },
-        khz: 148_500,
-    };
+    pub const P1080_60: Self = timing([1920, 88, 44, 148], [1080, 4, 5, 36], 148_500);
+    /// CEA-861 format 31: 1920×1080 at 50 Hz.
+    pub const P1080_50: Self = timing([1920, 528, 44, 148], [1080, 4, 5, 36], 148_500);
+    /// CEA-861 format 34: 1920×1080 at 30 Hz.
+    pub const P1080_30: Self = Self { khz: 74_250, ..Self::P1080_60 };
+    /// CEA-861 format 33: 1920×1080 at 25 Hz.
+    pub const P1080_25: Self = Self { khz: 74_250, ..Self::P1080_50 };
+    /// CEA-861 format 32: 1920×1080 at 24 Hz.
+    pub const P1080_24: Self = timing([1920, 638, 44, 148], [1080, 4, 5, 36], 74_250);
+
+    /// Its picture and porches at the clock of another timing: what a short simulation passes in place of that one.
+    #[must_use]
+    pub const fn in_place_of(self, other: Self) -> Self {
+        Self { khz: other.khz, ..self }
+    }
 }
 
 /// How the three channels of a link carry colour (HDMI 1.4, §6.5 and table 8-3, field Y).

@@ -58,8 +58,8 @@ pub struct Imageon {
     /// The receiver's reset pin is held low by a short.
     is_shorted: bool,
     source: Option<Source>,
-    /// Timing of the receiver's own picture.
-    own: Timing,
+    /// The size of the free run's picture in a short simulation.
+    short: Option<Timing>,
     own_place: Place,
     line: Vec<Word>,
     sampled: Word,
@@ -80,7 +80,7 @@ impl Imageon {
             faults: Faults::default(),
             is_shorted: false,
             source: None,
-            own: Timing::P1080_60,
+            short: None,
             own_place: Place { row: 0, column: 0 },
             line: vec![],
             sampled: 0,
@@ -160,9 +160,9 @@ impl Imageon {
         &self.eye
     }
 
-    /// Timing of the picture that the receiver shows where nothing comes: 1080p60, or a smaller one in a short simulation.
-    pub const fn set_free_run(&mut self, timing: Timing) {
-        self.own = timing;
+    /// Passes pictures of this size in place of the free run's, for a short simulation; its clock stays that of the receiver's registers.
+    pub const fn shorten_free_run(&mut self, short: Timing) {
+        self.short = Some(short);
     }
 
     /// Levels of pins that are no bus: reset of the receiver, hot plug and 5 V of the cable.
@@ -183,13 +183,18 @@ impl Imageon {
         self.receiver.chip.clock_runs()
     }
 
+    /// The pixel clock that comes out of the receiver, in kilohertz; 0 where none comes.
+    pub fn clock_khz(&mut self) -> u32 {
+        self.refresh();
+        self.receiver.chip.clock_khz()
+    }
+
     /// One pixel clock: the word on `hdmi_rx_data` as the FPGA samples it; none while there is no clock.
     pub fn pixel(&mut self) -> Option<Word> {
-        if !self.clock_runs() {
+        let Some((timing, link, place)) = self.clock_runs().then(|| self.place()).flatten() else {
             self.own_place = Place { row: 0, column: 0 };
             return None;
-        }
-        let (timing, link, place) = self.place();
+        };
         if place.column == 0 || self.line.len() != timing.line.total() {
             self.line = self.words(timing, link, place.row);
         }
@@ -211,16 +216,18 @@ impl Imageon {
     }
 
     /// Where the picture is: the source's, or the receiver's own.
-    fn place(&mut self) -> (Timing, Option<Link>, Place) {
+    fn place(&mut self) -> Option<(Timing, Option<Link>, Place)> {
         if let Some(source) = self.source.as_mut().filter(|source| source.sends()) {
-            return (source.timing(), source.link(), source.advance());
+            return Some((source.timing(), source.link(), source.advance()));
         }
-        let (place, timing) = (self.own_place, self.own);
+        let mode = self.receiver.chip.free_run()?;
+        let timing = self.short.map_or(mode, |short| short.in_place_of(mode));
+        let place = self.own_place;
         self.own_place.column += 1;
         if self.own_place.column == timing.line.total() {
             self.own_place = Place { row: (place.row + 1) % timing.frame.total(), column: 0 };
         }
-        (timing, None, place)
+        Some((timing, None, place))
     }
 
     fn words(&self, timing: Timing, link: Option<Link>, row: usize) -> Vec<Word> {

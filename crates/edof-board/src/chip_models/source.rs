@@ -19,7 +19,7 @@ pub enum State {
     #[error("{0}; the source stays dark")]
     BadEdid(EdidError),
     /// The sink takes no mode that the source has.
-    #[error("the sink does not take 1920x1080 at 60 Hz; the source stays dark")]
+    #[error("the sink does not prefer the source's mode; the source stays dark")]
     NoMode,
     /// The source sends.
     #[error("the source sends {0:?}")]
@@ -38,6 +38,8 @@ pub struct Place {
 /// A source with a cable.
 #[derive(Debug, Clone)]
 pub struct Source {
+    /// The mode that the source asks the sink for.
+    pub mode: Timing,
     timing: Timing,
     pictures: Vec<Picture>,
     /// The source declares values of full range.
@@ -54,11 +56,12 @@ pub struct Source {
 }
 
 impl Source {
-    /// A source that sends these pictures one after the other. It asks the sink for 1920×1080 at 60 Hz; what it sends then has this timing,
-    /// which may be a smaller one in a short simulation.
+    /// A source that sends these pictures one after the other. It asks the sink for 1920×1080 at 60 Hz, or another `mode`; what it sends then
+    /// has this timing, which may be a smaller one in a short simulation.
     #[must_use]
     pub const fn new(timing: Timing, pictures: Vec<Picture>) -> Self {
         Self {
+            mode: Timing::P1080_60,
             timing,
             pictures,
             declares_full: false,
@@ -112,7 +115,7 @@ impl Source {
             Ok(sink) => sink,
             Err(error) => return State::BadEdid(error),
         };
-        let wanted = Timing::P1080_60;
+        let wanted = self.mode;
         if sink.preferred != (wanted.line.active, wanted.frame.active, wanted.khz) {
             return State::NoMode;
         }

@@ -5,6 +5,7 @@ use super::setup::{ChipBus, Setup};
 use crate::chip_models::adv7611::State;
 use crate::chip_models::hdmi::{Axis, Timing};
 use crate::chip_models::master::Error;
+use crate::chip_models::source::Picture;
 use crate::chip_models::{Delays, Imageon, Kc705, LowHotPlug, Master, Screen, Source, Wires};
 use edof_device::design::FrameSize;
 use edof_device::i2c::{self, Cause};
@@ -42,7 +43,7 @@ impl<W: Wires> ChipBus for Wired<W> {
 }
 
 /// Registers of the map that the chips fill.
-const REGISTERS: [&str; 9] = [
+const REGISTERS: [&str; 10] = [
     "i2c_board",
     "i2c_card",
     "receiver",
@@ -52,6 +53,7 @@ const REGISTERS: [&str; 9] = [
     "chip_answer",
     "input_codes",
     "input_malformed",
+    "input_cycles",
 ];
 /// What happened longer ago is not gone through: all is polled many times in it.
 const REMEMBERED: Time = 3_000_000_000;
@@ -72,6 +74,8 @@ pub struct Chips {
     codes: SyncCodes,
     /// Lines of which sync codes were counted.
     lines: u64,
+    /// Cycles of the receiver's clock, in millionths.
+    cycles: u128,
     access: u32,
     source: Source,
     has_source: bool,
@@ -83,15 +87,15 @@ impl Chips {
     pub fn new(frame: FrameSize) -> Self {
         let timing = VideoTiming::of_frame(frame);
         let grey = vec![[128, 128]; timing.line.active * timing.frame.active];
-        let source = Source::new(cable(timing), vec![grey]);
+        let source = source(frame, vec![grey]);
         let mut board = Kc705::new(Delays::NONE, LowHotPlug::HoldsDefaults);
         board.set_reset(true);
         board.attach(Some(Screen::hdmi()));
         let mut card = Imageon::new(Delays::NONE);
         card.set_reset(true);
-        card.set_free_run(cable(timing));
+        card.shorten_free_run(cable(timing));
         card.plug(Some(source.clone()));
-        let [of_board, of_card] = i2c::programs();
+        let [of_board, of_card] = i2c::programs(VideoTiming::on_the_cable(frame));
         Self {
             board: Setup::new(Wired(Master::new(board)), of_board, false),
             card: Setup::new(Wired(Master::new(card)), of_card, true),
@@ -100,6 +104,7 @@ impl Chips {
             timing,
             codes: SyncCodes::default(),
             lines: 0,
+            cycles: 0,
             access: 0,
             source,
             has_source: true,
@@ -165,12 +170,16 @@ impl Chips {
 
     /// Lets time pass; `settings` and `access` are the host's registers since the last call.
     pub fn pass_to(&mut self, now: u64, settings: u32, access: u32) {
-        self.now = self.now.max(now.saturating_sub(REMEMBERED));
+        let forgotten = self.now.max(now.saturating_sub(REMEMBERED));
+        self.count_cycles(forgotten - self.now);
+        self.now = forgotten;
         for due in &mut self.due {
             *due = (*due).max(self.now);
         }
         while self.now < now {
-            self.now = now.min(self.now + BETWEEN);
+            let next = now.min(self.now + BETWEEN);
+            self.count_cycles(next - self.now);
+            self.now = next;
             while self.due[0] <= self.now {
                 self.due[0] += self.board.step(settings).as_nanos() as Time;
             }
@@ -182,6 +191,10 @@ impl Chips {
         self.access = access;
         self.board.serve(access);
         self.card.serve(access);
+    }
+
+    fn count_cycles(&mut self, passed: Time) {
+        self.cycles += u128::from(passed) * u128::from(self.card().clock_khz());
     }
 
     /// Lines that began since power-up.
@@ -227,14 +240,25 @@ impl Chips {
             "chip_answer" => self.card.answer(),
             "input_codes" => self.codes.codes,
             "input_malformed" => self.codes.malformed,
+            "input_cycles" => (self.cycles / 1_000_000) as u32,
             _ => 0,
         }
     }
 }
 
 /// A timing as the models of the chips have it.
-fn cable(timing: VideoTiming) -> Timing {
+#[must_use]
+pub fn cable(timing: VideoTiming) -> Timing {
     let axis =
         |axis: video::Axis| Axis { active: axis.active, front: axis.front, sync: axis.sync, back: axis.back };
     Timing { line: axis(timing.line), frame: axis(timing.frame), khz: timing.pixel_khz as u32 }
+}
+
+/// A source that sends pictures of a size: in the size's mode, or in simulation in place of [`VideoTiming::on_the_cable`].
+#[must_use]
+pub fn source(frame: FrameSize, pictures: Vec<Picture>) -> Source {
+    let mode = cable(VideoTiming::on_the_cable(frame));
+    let mut source = Source::new(cable(VideoTiming::of_frame(frame)).in_place_of(mode), pictures);
+    source.mode = mode;
+    source
 }

@@ -320,7 +320,6 @@ impl Inside {
             name if Chips::has(name) => self.chips.register(name),
             "writes_refused" => self.refused,
             "core_cycles" => self.cycles(u64::from(self.design.board.core_khz)),
-            "input_cycles" => self.cycles(if self.chips.has_source() { self.pixel_kilohertz() } else { 0 }),
             "screen_cycles" => self.cycles(self.pixel_kilohertz()),
             name if name.starts_with("check_") => self.checks.register(name),
             _ => self.counts.get(name).copied().unwrap_or(0),

@@ -156,7 +156,7 @@ pub fn ramp() -> Picture {
 pub fn card_with(writes: &[Write], change: impl FnOnce(&mut Source)) -> Imageon {
     let mut card = Imageon::new(Delays::NONE);
     card.set_reset(true);
-    card.set_free_run(SMALL);
+    card.shorten_free_run(SMALL);
     run(&mut card, writes);
     let mut source = Source::new(SMALL, vec![ramp()]);
     change(&mut source);

@@ -1,13 +1,23 @@
 //! The video chips of a board: how they are in words, their registers, and the receiver's clock where the FPGA samples well.
 
 use crate::common::{board, network, open, tiny};
+use edof_board::align::{Align, Alignment};
 use edof_board::chip_models::{Eye, Screen};
 use edof_board::chips::{Bus, ChipRegister};
 use edof_board::diagnosis::findings;
 use edof_board::{Error, Simulated};
+use edof_device::Design;
 use std::ops::ControlFlow;
+use std::sync::LazyLock;
 
 const SECOND: u64 = 1_000_000_000;
+static DESIGN: LazyLock<Design> = LazyLock::new(tiny);
+
+/// Aligns at the design's clock.
+fn align(simulated: &mut Simulated) -> Result<Alignment, Error> {
+    let asked = Align { codes: 200, clock_of: Some(&DESIGN) };
+    open(simulated).align(asked, &mut |_| ControlFlow::Continue(()))
+}
 
 fn simulated() -> Simulated {
     let design = tiny();
@@ -101,7 +111,7 @@ fn alignment_lands_inside_of_the_window() {
         let mut simulated = simulated();
         let eye = Eye::drawn(seed);
         simulated.chips().card().set_eye(eye.clone());
-        let alignment = open(&mut simulated).align(200, &mut |_| ControlFlow::Continue(())).unwrap();
+        let alignment = align(&mut simulated).unwrap();
         let (window, middle) = (alignment.window, alignment.window.middle());
         assert!(eye.is_open(window.is_inverted, middle.into()), "{eye:?}: {window:?}");
         let open_taps = (0..32).filter(|tap| eye.is_open(window.is_inverted, *tap)).count();
@@ -123,17 +133,48 @@ fn alignment_lands_inside_of_the_window() {
 }
 
 #[test]
+fn without_a_source_the_receiver_is_aligned_at_the_designs_clock() {
+    let mut simulated = simulated();
+    simulated.chips().plug(false);
+    let eye = Eye::drawn(3);
+    simulated.chips().card().set_eye(eye.clone());
+    let alignment = align(&mut simulated).unwrap();
+    assert!(eye.is_open(alignment.window.is_inverted, alignment.window.middle().into()), "{alignment:?}");
+    assert_eq!(simulated.chips().card().clock_khz(), 148_500);
+}
+
+/// The receiver's own defaults, with which its free run is 640x480: every setting works, and its middle is wrong at the design's clock.
+#[test]
+fn at_another_clock_nothing_is_aligned() {
+    let mut simulated = simulated();
+    simulated.chips().plug(false);
+    let mut board = open(&mut simulated);
+    let mut set = |register, value| {
+        board.write_chip(ChipRegister { bus: Bus::Card, device: 0x4c, register }, value).unwrap();
+    };
+    set(0x00, 0x08);
+    set(0x01, 0x06);
+    let error = align(&mut simulated).unwrap_err();
+    let Error::OtherClock { found, expected, .. } = &error else { panic!("{error}") };
+    assert!((found - 25.175).abs() < 0.01 && *expected == 148.5, "{error}");
+    assert!(error.to_string().contains("let the source send 1920x1080 at 60 Hz"), "{error}");
+    open(&mut simulated)
+        .align(Align { codes: 200, clock_of: None }, &mut |_| ControlFlow::Continue(()))
+        .unwrap();
+}
+
+#[test]
 fn without_a_window_or_a_receiver_alignment_says_so_and_changes_nothing() {
     let mut simulated = simulated();
     let mut closed = Eye::wide();
     closed.taps = 0;
     simulated.chips().card().set_eye(closed);
     let before = simulated.chips().card().receiver().clock_phase();
-    let error = open(&mut simulated).align(200, &mut |_| ControlFlow::Continue(())).unwrap_err();
+    let error = align(&mut simulated).unwrap_err();
     assert!(matches!(error, Error::NoWindow { .. }), "{error}");
     assert_eq!(simulated.chips().card().receiver().clock_phase(), before);
     simulated.chips().card().faults().remove(0x70);
     simulated.pass_to(simulated.now() + 2 * SECOND);
-    let error = open(&mut simulated).align(200, &mut |_| ControlFlow::Continue(())).unwrap_err();
+    let error = align(&mut simulated).unwrap_err();
     assert!(matches!(error, Error::NoReceiver { .. }), "{error}");
 }

@@ -32,7 +32,7 @@ pub struct Card {
 impl Card {
     pub fn new() -> Self {
         let mut card = Imageon::new(Delays::of(STEPS_PER_MS));
-        card.set_free_run(SMALL);
+        card.shorten_free_run(SMALL);
         card.set_reset(true);
         Self { card }
     }

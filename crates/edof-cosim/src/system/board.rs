@@ -141,7 +141,7 @@ impl VerilogBoard {
         let around = |source: &Source, clock| {
             Ok(Around {
                 uart: Uart::new(source, clock, line, seed, options)?,
-                chips: Chips::new(source, clock, begin.timing, seed, options)?,
+                chips: Chips::new(source, clock, design.frame, seed, options)?,
             })
         };
         let rig = Rig::start_with(&compiled, &begin, vec![sent(raw)], around).map_err(stopped)?;

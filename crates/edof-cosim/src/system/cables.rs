@@ -9,8 +9,8 @@ use crate::{Error, Source, work};
 use edof_board::chip_models::{Bus, Imageon, Kc705, Lines, Pulls, Wires};
 use edof_board::line::Line;
 use edof_core::storage::atomic::WorkFolder;
+use edof_device::Design;
 use edof_device::board::KC705;
-use edof_device::{Design, video::VideoTiming};
 use edof_golden::Display;
 use edof_golden::video::figures::Periods;
 use edof_hdl::board::{Identity, Kc705Core, Pace};
@@ -39,7 +39,7 @@ pub fn project(design: &Design, network: &FixedNetwork, display: &Display) -> Re
     let sets = [network, network];
     spacious(|| {
         let mut core = Kc705Core::new(design, sets, &identity, &tables, &PACE)?;
-        let files = images(design, sets).into_iter().chain(tables.images(design.board)).collect();
+        let files = images(design, sets).into_iter().chain(tables.images(design)).collect();
         Ok(of_circuit(&mut core, files)?)
     })
 }
@@ -288,22 +288,6 @@ impl Cables {
             self.steps(AT_ONCE)?;
         }
         Ok(is_so(self))
-    }
-}
-
-/// The timing of a design's frames as its source sends them and its receiver measures them.
-#[must_use]
-pub fn cable_timing(timing: VideoTiming) -> edof_board::chip_models::Timing {
-    let axis = |axis: edof_device::video::Axis| edof_board::chip_models::hdmi::Axis {
-        active: axis.active,
-        front: axis.front,
-        sync: axis.sync,
-        back: axis.back,
-    };
-    edof_board::chip_models::Timing {
-        line: axis(timing.line),
-        frame: axis(timing.frame),
-        khz: timing.pixel_khz as u32,
     }
 }
 

@@ -5,12 +5,13 @@ use crate::bench::{Actor, ClockId};
 use crate::error::at;
 use crate::verilator::{Library, Model, Options, Start};
 use crate::{Error, Source, work};
-use edof_board::chip_models::hdmi::{Axis, Timing};
 use edof_board::chip_models::{Delays, Imageon, Kc705, LowHotPlug, Pulls, Screen, Wires};
+use edof_board::simulated::chips::cable;
 use edof_core::storage::atomic::WorkFolder;
 use edof_device::board::{KC705, Setup};
-use edof_device::i2c::image;
-use edof_device::video::{self, VideoTiming};
+use edof_device::design::FrameSize;
+use edof_device::i2c::{Entry, image};
+use edof_device::video::VideoTiming;
 use edof_hdl::board::{ChipSetup, EmbeddedSyncs, Pace};
 use edof_hdl::crossing::reset_sync::RESET_CYCLES;
 use std::fs;
@@ -35,14 +36,14 @@ struct Engine {
 
 impl Engine {
     fn new(
-        setup: &Setup,
+        program: &[Entry],
+        image: &'static str,
         is_card: bool,
         folder: &WorkFolder,
         seed: u64,
         options: &Options,
     ) -> Result<Self, Error> {
-        let program = &(setup.program)();
-        let source = Source::circuit(&mut ChipSetup::new(&PACE, program, setup.image, is_card))?;
+        let source = Source::circuit(&mut ChipSetup::new(&PACE, program, image, is_card))?;
         let library = Library::build(&source, options)?;
         let start = Start { seed, memory_dir: Some(folder.path().to_path_buf()) };
         let port = |name: &str| source.port(name);
@@ -110,24 +111,28 @@ pub struct Chips {
 }
 
 impl Chips {
-    /// Beside a core whose frames have this timing.
+    /// Beside a core whose frames have this size.
     ///
     /// # Errors
     /// A tool is missing or rejects the text, or the core lacks a port.
     pub fn new(
         core: &Source,
         clock: ClockId,
-        timing: VideoTiming,
+        frame: FrameSize,
         seed: u64,
         options: &Options,
     ) -> Result<Self, Error> {
         let images = work::folder()?;
+        let mode = VideoTiming::on_the_cable(frame);
+        let program = |setup: &Setup| (setup.program)(mode);
         for setup in KC705.setups() {
             let path = images.path().join(setup.image);
             path.parent().map_or(Ok(()), fs::create_dir_all).map_err(at(&path))?;
-            fs::write(&path, image(&(setup.program)())).map_err(at(&path))?;
+            fs::write(&path, image(&program(setup))).map_err(at(&path))?;
         }
-        let engine = |(setup, is_card)| Engine::new(setup, is_card, &images, seed, options);
+        let engine = |(setup, is_card): (&Setup, bool)| {
+            Engine::new(&program(setup), setup.image, is_card, &images, seed, options)
+        };
         let engines = KC705.setups().zip([false, true]).map(engine);
         let syncs = Source::circuit(&mut EmbeddedSyncs::default())?;
         let of_syncs = ["reset_i", "data_i", "codes_o", "malformed_o"].map(|name| syncs.port(name));
@@ -136,7 +141,7 @@ impl Chips {
         board.attach(Some(Screen::hdmi()));
         let mut card = Imageon::new(Delays::NONE);
         card.set_reset(true);
-        card.set_free_run(cable(timing));
+        card.shorten_free_run(cable(VideoTiming::of_frame(frame)));
         let port = |name: &str| core.port(name);
         let taken = [
             "i2c_done_i",
@@ -228,11 +233,4 @@ impl Actor for Chips {
         }
         Ok(())
     }
-}
-
-/// A timing as the models of the chips have it.
-fn cable(timing: VideoTiming) -> Timing {
-    let axis =
-        |axis: video::Axis| Axis { active: axis.active, front: axis.front, sync: axis.sync, back: axis.back };
-    Timing { line: axis(timing.line), frame: axis(timing.frame), khz: timing.pixel_khz as u32 }
 }

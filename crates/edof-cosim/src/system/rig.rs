@@ -36,7 +36,7 @@ pub fn project(
     let identity = Identity::of(design, sets[0]);
     spacious(|| {
         let mut core = (circuits(design.board)?.core)(design, sets, &identity, &tables)?;
-        let files = images(design, sets).into_iter().chain(tables.images(design.board)).collect();
+        let files = images(design, sets).into_iter().chain(tables.images(design)).collect();
         Ok(of_circuit(&mut *core, files)?)
     })
 }

@@ -7,6 +7,7 @@ use super::part::{BlockMemory, Columns, Multiplier, Part, ReadsTwice, Resources}
 use super::pll::Pll;
 use super::{Board, ClockMaker, Setup, Shell, VideoIn, VideoOut};
 use crate::i2c::{receiver, transmitter};
+use crate::input_timing;
 use crate::video::VideoTiming;
 
 /// The KC705.
@@ -21,10 +22,10 @@ pub const KC705: Board = Board {
     baud: 921_600,
     video_in: Some(VideoIn {
         setup: Setup { image: "mem/i2c_imageon.mem", program: receiver::program },
-        changes_ns: [1.367, 1.133],
+        delays_ns: input_timing::delays_ns,
     }),
     video_out: Some(VideoOut {
-        setup: Setup { image: "mem/i2c_kc705.mem", program: transmitter::program },
+        setup: Setup { image: "mem/i2c_kc705.mem", program: |_| transmitter::program() },
         modes: &VideoTiming::MODES,
         min_khz: 25_000,
     }),

@@ -69,8 +69,8 @@ pub struct ClockMaker {
 pub struct VideoIn {
     /// Set-up of its chip.
     pub setup: Setup,
-    /// Nanoseconds before and after the falling edge of its clock in which its data change, and the board's share.
-    pub changes_ns: [f64; 2],
+    /// Least and most nanoseconds from a rising edge of its clock, of such a period, to a change of its data.
+    pub delays_ns: fn(f64) -> [f64; 2],
 }
 
 /// A video output: a picture in 4:2:2.
@@ -87,8 +87,8 @@ pub struct VideoOut {
 pub struct Setup {
     /// Memory image of the program, relative to the generated directory.
     pub image: &'static str,
-    /// Makes the program.
-    pub program: fn() -> Vec<Entry>,
+    /// Makes the program for a video mode.
+    pub program: fn(VideoTiming) -> Vec<Entry>,
 }
 
 /// Surroundings of the core: a memory controller, a connection to the host, a build script.

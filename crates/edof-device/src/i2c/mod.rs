@@ -17,13 +17,15 @@ pub mod program;
 pub mod receiver;
 pub mod transmitter;
 
+use crate::video::VideoTiming;
 pub use cause::Cause;
+
 pub use program::{Action, Entry, SETTINGS, SLOTS, depth, image};
 
-/// Returns the programs of the KC705's buses: its own, the card's.
+/// Returns the programs of the KC705's buses for a video mode: its own, the card's.
 #[must_use]
-pub fn programs() -> [Vec<Entry>; 2] {
-    [transmitter::program(), receiver::program()]
+pub fn programs(mode: VideoTiming) -> [Vec<Entry>; 2] {
+    [transmitter::program(), receiver::program(mode)]
 }
 
 #[cfg(test)]
@@ -33,7 +35,7 @@ mod tests {
 
     #[test]
     fn every_step_has_a_meaning_and_every_jump_a_target() {
-        for program in programs() {
+        for program in programs(VideoTiming::P1080_60) {
             assert!(depth(&program) <= 512 && program.len() < depth(&program));
             for entry in &program {
                 assert!(!entry.doc.is_empty());
@@ -51,7 +53,7 @@ mod tests {
     /// A step after an `If` or a `More` is skipped or done: it must be a jump, so that what follows is clear.
     #[test]
     fn what_may_be_skipped_is_a_jump() {
-        for program in programs() {
+        for program in programs(VideoTiming::P1080_60) {
             for pair in program.windows(2) {
                 if matches!(pair[0].action, Action::If { .. } | Action::More) {
                     assert!(matches!(pair[1].action, Action::Goto(_)), "{pair:?}");
@@ -66,7 +68,7 @@ mod tests {
         let devices = |program: &[Entry]| -> BTreeSet<u8> {
             program.iter().filter_map(|entry| entry.action.device()).collect()
         };
-        let [board, card] = programs().map(|program| devices(&program));
+        let [board, card] = programs(VideoTiming::P1080_60).map(|program| devices(&program));
         assert_eq!(board, [0x39, 0x3f, 0x74].into());
         assert_eq!(card, [0x20, 0x22, 0x32, 0x34, 0x36, 0x4c, 0x70].into());
     }

@@ -6,6 +6,7 @@
 
 use super::edid::{ADDRESS, PHYSICAL_ADDRESS, edid};
 use super::program::{Action, Builder, Entry, SETTINGS, SLOTS};
+use crate::video::VideoTiming;
 
 /// Multiplexer of the bus.
 const PCA9546A: u8 = 0x70;
@@ -22,8 +23,6 @@ pub const IO: u8 = 0x4c;
 pub const CLOCK_POLARITY: u8 = 0x06;
 /// Register of it: tap of the output clock's delay.
 pub const CLOCK_TAP: u8 = 0x19;
-/// Taps of that delay: 0.21 ns each.
-pub const TAPS: u8 = 32;
 const CP: u8 = 0x22;
 const KSV: u8 = 0x32;
 const HDMI: u8 = 0x34;
@@ -60,7 +59,6 @@ const EDID_ON: &[(u8, u8, &str)] = &[
 ];
 
 const PICTURE: &[(u8, u8, &str)] = &[
-    (0x01, 0x06, "primary mode: HDMI graphics; rate from the signal"),
     (
         0x02,
         0x35,
@@ -114,6 +112,20 @@ const POLLED: [(u8, u8, &str); SLOTS as usize] = [
     (CP, 0xff, "free run"),
 ];
 
+/// Video standard and primary mode, "HDMI component" at a vertical frequency, in which the receiver runs free without a source (Linux
+/// `adv7604.c`, `adv76xx_prim_mode_hdmi_comp`). With a source the rate is the signal's.
+const fn free_run(mode: VideoTiming) -> [(u8, u8, &'static str); 2] {
+    let (standard, frequency) = match mode {
+        VideoTiming::P720_60 => (0x13, 0),
+        VideoTiming::P1080_30 => (0x1e, 2),
+        _ => (0x1e, 0),
+    };
+    [
+        (0x00, standard, "video standard of the free run"),
+        (0x01, frequency << 4 | 0x05, "primary mode: HDMI component; vertical frequency of the free run"),
+    ]
+}
+
 /// What [`CLOCK_POLARITY`] holds.
 #[must_use]
 pub const fn clock_polarity(is_inverted: bool) -> u8 {
@@ -126,9 +138,9 @@ pub const fn clock_tap(tap: u8) -> u8 {
     0x80 | tap
 }
 
-/// Set-up with the hot plug low, hot plug, then a look every 50 ms; from the begin where the chip has forgotten it.
+/// Set-up for a video mode with the hot plug low, hot plug, then a look every 50 ms; from the begin where the chip has forgotten it.
 #[must_use]
-pub fn program() -> Vec<Entry> {
+pub fn program(mode: VideoTiming) -> Vec<Entry> {
     let mut p = Builder::default();
     let start = p.here();
     p.add(Action::Byte { device: PCA9546A, value: CHANNEL_EXPANDER }, "channel of the expander");
@@ -145,12 +157,14 @@ pub fn program() -> Vec<Entry> {
     p.write(IO, MAPS);
     p.add(Action::Wait(5), "the EDID's memory clears itself");
     p.write(KSV, EDID_OFF);
-    for (register, value) in (0..=255).zip(edid()) {
+    let edid = edid(mode);
+    for (register, value) in (0..=255).zip(edid) {
         p.add(Action::Write { device: EDID, register, value }, "EDID");
     }
-    p.expect((EDID, 0x36), (0xff, 0x02), 0, "the EDID's timing is there");
+    p.expect((EDID, 0x36), (0xff, edid[0x36]), 0, "the EDID's timing is there");
     p.write(KSV, EDID_ON);
     p.expect((KSV, 0x76), (0x01, 0x01), 100, "the EDID answers");
+    p.write(IO, &free_run(mode));
     p.write(IO, PICTURE);
     p.add(Action::Copy { device: IO, register: CLOCK_TAP, slot: SETTINGS + 1 }, "tap of the output clock");
     p.add(

@@ -12,6 +12,7 @@ use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiLiteMaster, AxiReadMaster, AxiWriteMaster};
 use edof_device::board::{KC705, Setup};
 use edof_device::design::{Design, DesignError};
+use edof_device::video::VideoTiming;
 use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
 
@@ -94,7 +95,9 @@ impl Kc705Core {
     ) -> Result<Self, DesignError> {
         let (input, output) = design.video()?;
         let core = EdofCore::new(design, sets, identity, tables)?;
-        let setup = |setup: &Setup, is_card| ChipSetup::new(pace, &(setup.program)(), setup.image, is_card);
+        let mode = VideoTiming::on_the_cable(design.frame);
+        let setup =
+            |setup: &Setup, is_card| ChipSetup::new(pace, &(setup.program)(mode), setup.image, is_card);
         Ok(Self::from_parts(Kc705CoreParts {
             core,
             uart: UartBus::new(pace.cycles_per_bit, pace.uart_time_out),

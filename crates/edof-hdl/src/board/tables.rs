@@ -1,8 +1,9 @@
 //! Memory images beside those of the calculator: the display's tables, and the programs that set up video chips.
 
 use crate::video::display::TABLE_IMAGES;
-use edof_device::board::Board;
+use edof_device::design::Design;
 use edof_device::i2c;
+use edof_device::video::VideoTiming;
 use std::fmt::Write;
 
 /// The display tables that a design starts with: luma codes; encoded red, green and blue.
@@ -15,9 +16,9 @@ pub struct Tables<'a> {
 }
 
 impl Tables<'_> {
-    /// Returns path and text of each image: those of the display tables, and those of the board's set-ups.
+    /// Returns path and text of each image: those of the display tables, and those of the set-ups of the design's board.
     #[must_use]
-    pub fn images(&self, board: &Board) -> Vec<(String, String)> {
+    pub fn images(&self, design: &Design) -> Vec<(String, String)> {
         // Codes of 8 bits, encoded light of 12.
         let [red, green, blue] = self.colours;
         let all = [(self.luma, 2), (red, 3), (green, 3), (blue, 3)];
@@ -29,7 +30,9 @@ impl Tables<'_> {
             });
             (path.to_string(), text)
         });
-        let setups = board.setups().map(|setup| (setup.image.to_owned(), i2c::image(&(setup.program)())));
+        let mode = VideoTiming::on_the_cable(design.frame);
+        let setups = design.board.setups();
+        let setups = setups.map(|setup| (setup.image.to_owned(), i2c::image(&(setup.program)(mode))));
         display.chain(setups).collect()
     }
 }

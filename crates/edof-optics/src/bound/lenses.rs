@@ -31,6 +31,7 @@ pub struct Cubic {
 
 /// Refractive index of the glass of masks (fused silica), n(λ) = a + b/λ² with λ in micrometres.
 pub const GLASS: [f64; 2] = [1.458, 0.00354];
+
 impl Cubic {
     /// Returns the camera with this mask in place of its own.
     #[must_use]

@@ -213,7 +213,8 @@ mod tests {
                 (0..=40).map(|i| otf_along_row(&camera, 460.0, 0.2 * f64::from(i), support)).collect();
             for q in [16, 48, 80, 128, 192] {
                 // The trapezoidal rule over the range.
-                let squared = |i: usize| otfs[i][q] * otfs[i][q] * if i.is_multiple_of(40) { 0.5 } else { 1.0 };
+                let squared =
+                    |i: usize| otfs[i][q] * otfs[i][q] * if i.is_multiple_of(40) { 0.5 } else { 1.0 };
                 let mean = (0..=40).map(squared).sum::<f64>() / 40.0;
                 let limit = mean_square(2.0 * q as f64 / support as f64 / cutoff, 8.0);
                 // The sampled pupil's OTF is off by half a percent.

@@ -154,21 +154,19 @@ impl Ideal {
         let explained =
             map.iter().flatten().zip(seen.xy.iter().flatten()).map(|(w, x)| (w * x.conj()).re).sum();
         // (1 − W·A)·S is Σ − W·C_yx, with rows (colour, alias) and columns alike; of its columns only those of one alias meet.
-        let mut slope = Row::default();
-        for c in 0..3 {
-            for k in 0..4 {
-                let column = 4 * c + k;
-                for p in (0..4).filter(|p| colour(*p) == c) {
-                    let mut sum = Complex64::default();
-                    for (row, w) in map.iter().enumerate() {
-                        let sharp = if row % 4 == k { self.spectra[row / 4][c][k] } else { 0.0 };
-                        let estimated: Complex64 = (0..4).map(|q| w[q] * seen.xy[column][q].conj()).sum();
-                        sum += w[p].conj() * (sharp - estimated);
-                    }
-                    slope[c][k] += sum * share(p, k);
-                }
-            }
-        }
+        let slope_at = |c: usize, k: usize| -> Complex64 {
+            let column = 4 * c + k;
+            let of_place = |p: usize| -> Complex64 {
+                let term = |(row, w): (usize, &[Complex64; 4])| {
+                    let sharp = if row % 4 == k { self.spectra[row / 4][c][k] } else { 0.0 };
+                    let estimated: Complex64 = (0..4).map(|q| w[q] * seen.xy[column][q].conj()).sum();
+                    w[p].conj() * (sharp - estimated)
+                };
+                map.iter().enumerate().map(term).sum::<Complex64>() * share(p, k)
+            };
+            (0..4).filter(|p| colour(*p) == c).map(of_place).sum()
+        };
+        let slope = [0, 1, 2].map(|c| [0, 1, 2, 3].map(|k| slope_at(c, k)));
         (explained, slope)
     }
 
@@ -176,7 +174,7 @@ impl Ideal {
     fn seen(&self, transfer: &Row) -> Seen<4, 12> {
         let zero = Complex64::default();
         let mut seen = Seen { yy: [[zero; 4]; 4], xy: [[zero; 4]; 12] };
-        for k in 0..4 {
+        for k in [0, 1, 2, 3] {
             let a = [0, 1, 2, 3].map(|p| transfer[colour(p)][k] * share(p, k));
             for p in 0..4 {
                 for q in 0..4 {

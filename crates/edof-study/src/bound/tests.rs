@@ -139,11 +139,11 @@ fn a_lens_without_a_mask_is_its_own_clear_lens_and_verdicts_state_the_limit() {
     assert!(found.verdicts()[0].starts_with("ψ 0 to 2: any mask whatever gains"));
     let plots = frequency_plots(&camera);
     assert_eq!(plots.len(), 3);
-    // No point of a lens lies above the limit.
+    // No point of a lens lies above the limit, but for what sampling the pupil costs.
     for plot in plots {
         let limit = &plot.series.last().unwrap().points;
         for (point, limit) in plot.series.iter().flat_map(|s| s.points.iter().zip(limit)) {
-            assert!(point[1] <= limit[1] + 5e-3, "{}: {point:?} {limit:?}", plot.title);
+            assert!(point[1] <= limit[1] + 1e-2, "{}: {point:?} {limit:?}", plot.title);
         }
     }
 }

@@ -106,12 +106,41 @@ impl Adv7611 {
         cp.bit(0xbf, 0) || (cp.bit(0xba, 0) && !self.is_locked())
     }
 
-    /// Whether the pixel clock leaves the chip: from the cable, or its own.
+    /// The timing of its free run, by video standard (IO 00 bits 5..0), vertical frequency (IO 01 bits 6..4) and primary mode (IO 01 bits
+    /// 3..0); none where no source says what these values give.
+    ///
+    /// Source: Linux `adv7604.c`, tables `adv76xx_prim_mode_hdmi_comp` (mode 5) and `adv76xx_prim_mode_hdmi_gr` (mode 6).
+    #[must_use]
+    pub const fn free_run(&self) -> Option<Timing> {
+        let io = self.page(Map::Io);
+        match (io.bits(0x01, 3, 0), io.bits(0x00, 5, 0), io.bits(0x01, 6, 4)) {
+            (5, 0x13, 0) => Some(Timing::P720_60),
+            (5, 0x13, 1) => Some(Timing::P720_50),
+            (5, 0x1e, 0) => Some(Timing::P1080_60),
+            (5, 0x1e, 1) => Some(Timing::P1080_50),
+            (5, 0x1e, 2) => Some(Timing::P1080_30),
+            (5, 0x1e, 3) => Some(Timing::P1080_25),
+            (5, 0x1e, 4) => Some(Timing::P1080_24),
+            (6, 0x08, 0) => Some(Timing::VGA),
+            _ => None,
+        }
+    }
+
+    /// The pixel clock that leaves the chip, in kilohertz: that of the cable, or of its free run; 0 where there is none.
+    #[must_use]
+    pub fn clock_khz(&self) -> u32 {
+        let timing = match self.input.signal {
+            _ if self.is_powered_down() || self.page(Map::Io).bit(0x15, 2) => None,
+            Some((timing, _)) if self.hears() => Some(timing),
+            _ => self.free_run().filter(|_| self.is_free_running()),
+        };
+        timing.map_or(0, |timing| timing.khz)
+    }
+
+    /// Whether the pixel clock leaves the chip.
     #[must_use]
     pub fn clock_runs(&self) -> bool {
-        !self.is_powered_down()
-            && !self.page(Map::Io).bit(0x15, 2)
-            && (self.hears() || self.is_free_running())
+        self.clock_khz() > 0
     }
 
     /// The value of a status register; none where the register is not one.

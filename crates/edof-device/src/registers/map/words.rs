@@ -1,5 +1,7 @@
 //! Addresses that programs use by name, the bits of their words, and words that protect themselves.
 
+use crate::i2c::receiver::{clock_polarity, clock_tap};
+use crate::input_timing;
 use edof_core::display::DisplayMode;
 
 /// `EDOF` in ASCII: what `id` reads.
@@ -35,8 +37,9 @@ pub const CHECK_RAW: u32 = 0xb4;
 pub const CORE_CYCLES: u32 = 0xc8;
 /// Address of `picture_corner`.
 pub const PICTURE_CORNER: u32 = 0xd4;
-/// `video_setup` after reset: RGB to the screen, the receiver's output clock inverted, tap 0.
-pub const VIDEO_SETUP_RESET: u32 = 0x00a1_8000;
+/// `video_setup` after reset: RGB to the screen, the receiver's output clock as `input_timing` has it.
+pub const VIDEO_SETUP_RESET: u32 =
+    u32::from_le_bytes([0, clock_tap(input_timing::FIRST_TAP), clock_polarity(false), 0]);
 /// Address of `writes_refused`.
 pub const WRITES_REFUSED: u32 = 0x94;
 
@@ -81,4 +84,25 @@ pub const fn is_checked(word: u32) -> bool {
 #[must_use]
 pub fn running(mode: DisplayMode, set: usize) -> u32 {
     RUN | if mode == DisplayMode::Colour { COLOUR } else { 0 } | if set == 0 { 0 } else { WEIGHT_SET }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input_timing::{FIRST_TAP, TAPS, delay_ns, margins_ns};
+    use crate::video::VideoTiming;
+
+    /// Before any alignment the first setting is within what the pads need, and at 1080p60 the nearest to the middle.
+    #[test]
+    fn the_first_setting_of_the_receivers_clock_is_the_budgets() {
+        let [_, tap, polarity, _] = VIDEO_SETUP_RESET.to_le_bytes();
+        assert_eq!((tap, polarity), (0x80 | FIRST_TAP, 0xa0));
+        for mode in VideoTiming::MODES {
+            let period = 1e6 / mode.pixel_khz as f64;
+            let tap = period / f64::from(TAPS);
+            let off = (f64::from(FIRST_TAP) * tap - delay_ns()).abs();
+            assert!(off < margins_ns(period)[0], "{mode:?}: {off}");
+            assert!(mode != VideoTiming::P1080_60 || off <= tap / 2.0, "{off}");
+        }
+    }
 }
