@@ -20,11 +20,11 @@ module drain #(
   input wire clock_i,         // Clock.
   input wire reset_i,         // Forgets everything; held for 48 cycles or more.
 
-  input wire begins_i,        // A pass begins.
   input wire pass_issued_i,   // The last step of a pass is issued.
   input wire set_i,           // Set of the vector of that pass.
   input wire credit_return_i, // A beat has left the stage.
-  output wire may_start_o,    // Whether the next pass may begin.
+  // A pass is released: its sums are taken, or will be before the sums of the next pass but one come.
+  output wire release_o,
   output wire copy_o,         // Copies the sums of a pass.
   output wire take_o,         // Takes the next two sums.
   output wire [7:0] beat_o,   // Which two of the vector they are.
@@ -37,18 +37,13 @@ module drain #(
   wire [1:0] delayed;
   reg sum_ready_q, sum_set_q, busy_q, loaded_q, is_active_q, at_last_q, drain_set_q, has_credits_q, copy_q;
   reg take_q, last_q, set_q;
-  reg [1:0] open_q;
   reg [7:0] remaining_q, beat_q, credits_q, taken_beat_q;
 
   // drain.rs
   wire [1:0] issued = (pass_issued_i && set_i) ? 2'd3 : (pass_issued_i ? 2'd1 : 2'd0);
   wire copy_now = sum_ready_q && (!busy_q || (is_active_q && at_last_q));
   wire pop = is_active_q || (loaded_q && has_credits_q);
-  wire release_pass = pop && (remaining_q == RELEASE_AT);
-
-  // drain.rs: A drain may begin in the cycle after the last take of the one before: that one's credit is
-  // spent.
-  assign may_start_o = !open_q[1];
+  assign release_o = pop && (remaining_q == RELEASE_AT);
 
   // drain.rs: A cycle later.
   assign copy_o = copy_q;
@@ -86,9 +81,7 @@ module drain #(
       sum_ready_q <= 1'b1;
       sum_set_q <= delayed[1];
     end
-    // drain.rs: Passes that have begun and are not released; room in the FIFO.
-    if (begins_i && !release_pass) open_q <= open_q + 2'd1;
-    else if (release_pass && !begins_i) open_q <= open_q - 2'd1;
+    // drain.rs: Room in the FIFO.
     if (pop && !credit_return_i) credits_q <= credits_q - 8'd1;
     else if (credit_return_i && !pop) credits_q <= credits_q + 8'd1;
     // drain.rs: A drain may begin in the cycle after the last take of the one before: that one's credit is
@@ -103,7 +96,6 @@ module drain #(
     // drain.rs: Reset.
     if (reset_i) begin
       sum_ready_q <= 1'b0;
-      open_q <= 2'd0;
       busy_q <= 1'b0;
       loaded_q <= 1'b0;
       is_active_q <= 1'b0;

@@ -2,11 +2,13 @@
 // step a cycle.
 // What a pass must know is looked up before it begins, so that the next begins in the cycle after the last step
 // of the one before;
-// all that a step reads comes out of registers. While `steal` is high, no step is issued and the current pass
-// is held.
+// all that a step reads comes out of registers. In the cycle after `steal_next`, no step is issued and the
+// current pass is held.
+// At most two passes are begun and not released. The registers that decide whether a pass begins are all in
+// this block, so that the decision
+// crosses no distance (docs/fabric.md).
 //
-// Within the cycle: may_start_i, steal_i -> begins_o
-// Within the cycle: steal_i -> valid_a_o, valid_b_o, first_o, pass_issued_o, finished_o
+// No output follows an input within the cycle.
 //
 // From crates/edof-hdl/src/blocks/sequencer.rs (Sequencer).
 `default_nettype none
@@ -26,9 +28,8 @@ module sequencer #(
   input wire arrived_i,            // A vector is whole.
   // What must be known of it: steps before its last one (8 bits), one step only, no pairs, an odd number, set.
   input wire [11:0] descriptor_i,
-  input wire may_start_i,          // Whether a pass may begin.
-  input wire steal_i,              // No step in this cycle.
-  output wire begins_o,            // A pass begins: its first step is in the next cycle.
+  input wire release_i,            // A pass is released: one more may begin from the next cycle on.
+  input wire steal_next_i,         // No step in the next cycle.
   output wire valid_a_o,           // There is a step in this cycle, with a first value.
   output wire valid_b_o,           // With a second one.
   output wire first_o,             // The step is the first of its pass.
@@ -49,19 +50,18 @@ module sequencer #(
 
   reg [11:0] next, descriptor_0_q, descriptor_1_q, descriptor_2_q, descriptor_3_q, pass_row_q, job_q, job_row_q;
   reg [11:0] base_q;
-  reg [1:0] write_slot_q, slot_q, job_slot_q, slot_q_2;
+  reg [1:0] write_slot_q, slot_q, open_q, job_slot_q, slot_q_2;
   reg [2:0] waiting_q;
   reg [5:0] pass_q;
-  reg next_known_q, job_is_last_q, active_q, linear_q, at_end_q, first_q, odd_count_q, empty_q, set_q;
+  reg may_begin_q, job_is_last_q, steal_q, active_q, linear_q, at_end_q, first_q, odd_count_q, empty_q, set_q;
   reg is_last_q;
   reg [7:0] remaining_q, step_q;
 
   // sequencer.rs: The step of this cycle, and whether a pass begins with the next.
-  wire step_valid = active_q && !steal_i;
+  wire step_valid = active_q && !steal_q;
   wire pass_done = step_valid && at_end_q && (linear_q || !HAS_LINEAR);
-  wire grant = next_known_q && may_start_i && (!active_q || pass_done);
+  wire grant = may_begin_q && (!active_q || pass_done);
   wire pop = grant && job_is_last_q;
-  assign begins_o = grant;
   assign pass_issued_o = pass_done;
   assign finished_o = pass_done && is_last_q;
 
@@ -89,6 +89,8 @@ module sequencer #(
   assign read_pixels_o = row;
 
   always @(posedge clock_i) begin
+    // sequencer.rs
+    steal_q <= steal_next_i;
     // sequencer.rs: Vectors that wait.
     if (arrived_i) begin
       write_slot_q <= write_slot_q + 2'd1;
@@ -111,7 +113,9 @@ module sequencer #(
         slot_q <= slot_q + 2'd1;
       end
     end
-    next_known_q <= (|waiting_q) && !grant;
+    if (grant && !release_i) open_q <= open_q + 2'd1;
+    else if (release_i && !grant) open_q <= open_q - 2'd1;
+    may_begin_q <= (|waiting_q) && !grant && (!open_q[1] || release_i);
     job_q <= next;
     job_slot_q <= slot_q;
     job_is_last_q <= pass_q == LAST_PASS;
@@ -152,7 +156,8 @@ module sequencer #(
       slot_q <= 2'd0;
       pass_q <= 6'd0;
       pass_row_q <= 12'd0;
-      next_known_q <= 1'b0;
+      open_q <= 2'd0;
+      may_begin_q <= 1'b0;
       active_q <= 1'b0;
     end
   end

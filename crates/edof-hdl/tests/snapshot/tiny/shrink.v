@@ -22,7 +22,7 @@ module shrink (
   reg [15:0] above_2_q, below_2_q, result_q;
   reg is_above_q, is_below_q, too_large_q, saturated_q;
 
-  // shrink.rs:70: Cycle 1: how far it is from both ends of the dead zone.
+  // shrink.rs: Cycle 1: how far it is from both ends of the dead zone.
   wire [16:0] wide_code = {code_i[15], code_i};
   wire [16:0] wide_threshold = {threshold_i[15], threshold_i};
   assign result_o = result_q;
@@ -31,16 +31,16 @@ module shrink (
   wire [16:0] result_q_value = MAX;
 
   always @(posedge clock_i) begin
-    // shrink.rs:78: Cycle 1: how far it is from both ends of the dead zone.
+    // shrink.rs: Cycle 1: how far it is from both ends of the dead zone.
     above_1_q <= wide_code - wide_threshold;
     below_1_q <= wide_code + wide_threshold;
-    // shrink.rs:82: Cycle 2: on which side it lies, and whether too far.
+    // shrink.rs: Cycle 2: on which side it lies, and whether too far.
     above_2_q <= above_1_q[15:0];
     below_2_q <= below_1_q[15:0];
     is_above_q <= (|above_1_q) && !above_1_q[16];
     is_below_q <= TWO_SIDED && below_1_q[16];
     too_large_q <= above_1_q > MAX;
-    // shrink.rs:89: Cycle 3: the result.
+    // shrink.rs: Cycle 3: the result.
     result_q <= 16'd0;
     saturated_q <= 1'b0;
     if (is_above_q) begin

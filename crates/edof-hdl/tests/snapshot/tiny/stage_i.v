@@ -43,10 +43,10 @@ module stage_i (
   localparam [31:0] SKIP_BIT = 32'd1;
 
   wire [7:0] reset_parts_delayed, drain_beat, frames;
-  wire reset_registers_delayed, vectors_arrived, step_first, begins, valid_a, sequencer_valid_b_unused;
-  wire sequencer_first, sequencer_linear_unused, sequencer_odd, sequencer_set, pass_issued, finished, may_start;
-  wire drain_copy, drain_take, drain_last, take_set, read_valid, results_push, base_push;
-  wire base_fifo_front_valid_unused, skip_zeros, request_weights, request_thresholds;
+  wire reset_registers_delayed, vectors_arrived, step_first, valid_a, sequencer_valid_b_unused, sequencer_first;
+  wire sequencer_linear_unused, sequencer_odd, sequencer_set, pass_issued, finished, release_, drain_copy;
+  wire drain_take, drain_last, take_set, read_valid, results_push, base_push, base_fifo_front_valid_unused;
+  wire skip_zeros, request_weights, request_thresholds;
   wire [11:0] vectors_descriptor, address, sequencer_base, offset, reader_row;
   wire [31:0] pair_a, pair_b, pair_c, pair_d, read_thresholds, read_previous, results_data, results_base;
   wire [31:0] counters_value, check_crc, reader_value;
@@ -62,7 +62,6 @@ module stage_i (
   wire [5:0] reader_bank;
   reg [31:0] reader_register, status_q, data_1_q, data_2_q;
   reg write_1_q, weights_2_q, thresholds_2_q, previous_2_q, registers_2_q, command_2_q, snapshot_2_q, read_2_q;
-  reg steal_2_q;
   reg [24:0] address_1_q;
   reg [18:0] address_2_q;
   wire [52:0] weights_to_5_delayed;
@@ -89,6 +88,7 @@ module stage_i (
 
   // stage.rs: A row is read back in a cycle without a write, whatever that would write.
   wire reads = request_weights && !write_1_q;
+  wire sequencer_steal_next = reads || (BOTH_PORTS && selected && (address_1_q[20:19] == 2'd0));
 
   // stage.rs: Bit 0 writes, bit 1 reads.
   wire [52:0] weights_word = {address_2_q, data_2_q, 2'd0};
@@ -141,7 +141,7 @@ module stage_i (
     .SET_ROWS(12'd32), .LAST_PASS(6'd0)
   ) sequencer (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[2]), .arrived_i(vectors_arrived),
-    .descriptor_i(vectors_descriptor), .may_start_i(may_start), .steal_i(steal_2_q), .begins_o(begins),
+    .descriptor_i(vectors_descriptor), .release_i(release_), .steal_next_i(sequencer_steal_next),
     .valid_a_o(valid_a), .valid_b_o(sequencer_valid_b_unused), .first_o(sequencer_first),
     .linear_o(sequencer_linear_unused), .odd_o(sequencer_odd), .set_o(sequencer_set),
     .read_row_o(read_row), .read_pixels_o(sequencer_read_pixels_unused), .base_o(sequencer_base),
@@ -160,8 +160,8 @@ module stage_i (
   );
 
   drain #(.BEFORE_LAST_TAKE(8'd7), .RELEASE_AT(8'd7), .LAST_BEAT(8'd7), .NEEDED_CREDITS(8'd8)) drain (
-    .clock_i(clock_i), .reset_i(reset_parts_delayed[3]), .begins_i(begins), .pass_issued_i(pass_issued),
-    .set_i(sequencer_set), .credit_return_i(out_valid_o && out_ready_i), .may_start_o(may_start),
+    .clock_i(clock_i), .reset_i(reset_parts_delayed[3]), .pass_issued_i(pass_issued),
+    .set_i(sequencer_set), .credit_return_i(out_valid_o && out_ready_i), .release_o(release_),
     .copy_o(drain_copy), .take_o(drain_take), .beat_o(drain_beat), .last_o(drain_last),
     .take_set_o(take_set)
   );
@@ -242,7 +242,6 @@ module stage_i (
     // stage.rs: A row is read back in a cycle without a write, whatever that would write.
     read_2_q <= reads;
     if (reads) address_2_q <= {reader_bank, reader_row, 1'b0};
-    steal_2_q <= reads || (BOTH_PORTS && selected && (address_1_q[20:19] == 2'd0));
     snapshot_2_q <= write_1_q && (address_1_q[24:21] == WHOLE_CHAIN) && (address_1_q[20:19] == 2'd3);
     // stage.rs: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
     status_q <= 32'd0;

@@ -77,10 +77,10 @@ module stage_mf #(
   localparam [31:0] SKIP_BIT = 32'd1;
 
   wire [7:0] reset_parts_delayed, drain_beat, frames;
-  wire reset_registers_delayed, pairs_arrived, step_first, ring_ready, begins, valid_a, valid_b;
-  wire sequencer_first, linear, sequencer_odd, sequencer_set, pass_issued, finished, may_start, drain_copy;
-  wire drain_take, drain_last, take_set, read_valid, results_push, base_push, base_fifo_front_valid_unused;
-  wire skip_zeros, request_weights, request_thresholds;
+  wire reset_registers_delayed, pairs_arrived, step_first, ring_ready, valid_a, valid_b, sequencer_first;
+  wire linear, sequencer_odd, sequencer_set, pass_issued, finished, release_, drain_copy, drain_take;
+  wire drain_last, take_set, read_valid, results_push, base_push, base_fifo_front_valid_unused, skip_zeros;
+  wire request_weights, request_thresholds;
   wire [11:0] pairs_descriptor, pair_operands_address_a, pair_operands_address_b, sequencer_base, offset;
   wire [11:0] reader_row;
   wire [24:0] even_pair, odd_pair, pair_operands_value_a, pair_operands_value_b;
@@ -97,7 +97,6 @@ module stage_mf #(
   wire [5:0] reader_bank;
   reg [31:0] reader_register, status_q, data_1_q, data_2_q;
   reg write_1_q, weights_2_q, thresholds_2_q, previous_2_q, registers_2_q, command_2_q, snapshot_2_q, read_2_q;
-  reg steal_2_q;
   reg [24:0] address_1_q;
   reg [18:0] address_2_q;
   wire [52:0] weights_to_5_delayed;
@@ -124,6 +123,7 @@ module stage_mf #(
 
   // stage.rs: A row is read back in a cycle without a write, whatever that would write.
   wire reads = request_weights && !write_1_q;
+  wire sequencer_steal_next = reads || (BOTH_PORTS && selected && (address_1_q[20:19] == 2'd0));
 
   // stage.rs: Bit 0 writes, bit 1 reads.
   wire [52:0] weights_word = {address_2_q, data_2_q, 2'd0};
@@ -183,7 +183,7 @@ module stage_mf #(
     .PASS_ROWS(PASS_ROWS), .SET_ROWS(SEQUENCER_SET_ROWS), .LAST_PASS(LAST_PASS)
   ) sequencer (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[2]), .arrived_i(pairs_arrived),
-    .descriptor_i(pairs_descriptor), .may_start_i(may_start), .steal_i(steal_2_q), .begins_o(begins),
+    .descriptor_i(pairs_descriptor), .release_i(release_), .steal_next_i(sequencer_steal_next),
     .valid_a_o(valid_a), .valid_b_o(valid_b), .first_o(sequencer_first), .linear_o(linear),
     .odd_o(sequencer_odd), .set_o(sequencer_set), .read_row_o(read_row),
     .read_pixels_o(sequencer_read_pixels), .base_o(sequencer_base), .offset_o(offset),
@@ -207,8 +207,8 @@ module stage_mf #(
     .BEFORE_LAST_TAKE(BEFORE_LAST_TAKE), .RELEASE_AT(RELEASE_AT), .LAST_BEAT(DRAIN_LAST_BEAT),
     .NEEDED_CREDITS(NEEDED_CREDITS)
   ) drain (
-    .clock_i(clock_i), .reset_i(reset_parts_delayed[3]), .begins_i(begins), .pass_issued_i(pass_issued),
-    .set_i(sequencer_set), .credit_return_i(out_valid_o && out_ready_i), .may_start_o(may_start),
+    .clock_i(clock_i), .reset_i(reset_parts_delayed[3]), .pass_issued_i(pass_issued),
+    .set_i(sequencer_set), .credit_return_i(out_valid_o && out_ready_i), .release_o(release_),
     .copy_o(drain_copy), .take_o(drain_take), .beat_o(drain_beat), .last_o(drain_last),
     .take_set_o(take_set)
   );
@@ -290,7 +290,6 @@ module stage_mf #(
     // stage.rs: A row is read back in a cycle without a write, whatever that would write.
     read_2_q <= reads;
     if (reads) address_2_q <= {reader_bank, reader_row, 1'b0};
-    steal_2_q <= reads || (BOTH_PORTS && selected && (address_1_q[20:19] == 2'd0));
     snapshot_2_q <= write_1_q && (address_1_q[24:21] == WHOLE_CHAIN) && (address_1_q[20:19] == 2'd3);
     // stage.rs: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
     status_q <= 32'd0;
