@@ -1,4 +1,4 @@
-//! The circuits of each board: a board whose sources can be written has a line in [`CIRCUITS`].
+//! The circuits of each board: a board whose sources can be written has a line in `CIRCUITS`.
 
 use crate::board::kc705_core::{S, W};
 use crate::board::{EdofCore, Identity, Kc705Core, Pace, Tables};

@@ -1,7 +1,7 @@
 //! A photograph with a depth for each pixel as a scene of layers.
 //!
 //! Each layer holds its own pixels and, where nearer ones hide it, what its own suggest: the average of those around, from near by
-//! where there are any. So blur at the edge of a near thing mixes it with what could be behind, as [`crate::scene`] composes it.
+//! where there are any. So blur at the edge of a near thing mixes it with what could be behind, as [`crate::Scene`] composes it.
 
 use crate::scene::{Layer, Scene};
 use edof_core::ColourFrame;

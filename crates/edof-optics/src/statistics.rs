@@ -22,7 +22,7 @@ pub const fn pair(a: usize, b: usize) -> usize {
 /// Power and cross spectra of red, green and blue, even along both axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Statistics {
-    /// For each of [`PAIRS`] the quarter spectrum, (`SIDE`/2 + 1)²; entry (r, c) at (r, c)/`SIDE` cycles a pixel. The sum over
+    /// For each of `PAIRS` the quarter spectrum, (`SIDE`/2 + 1)²; entry (r, c) at (r, c)/`SIDE` cycles a pixel. The sum over
     /// the whole plane divided by `SIDE`² is the covariance of the two channels at one pixel.
     pub spectra: [Array2<f64>; 6],
 }

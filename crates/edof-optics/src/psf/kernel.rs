@@ -3,7 +3,7 @@
 use ndarray::{Array2, s};
 
 /// Light that a point gives to the pixels around its own. Those of a lens and its mask are even about their centre along rows and
-/// along columns; others ([`mod@bank`]) need not be.
+/// along columns; others ([`crate::bank`]) need not be.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Psf {
