@@ -16,7 +16,7 @@ const EVERYWHERE: [Group; 5] = [
 ];
 
 /// Options of the commands that have many, by command; the first group that names an option has it.
-const COMMANDS: [(&str, &[Group]); 10] = [
+const COMMANDS: [(&str, &[Group]); 12] = [
     (
         "capture",
         &[
@@ -64,6 +64,21 @@ const COMMANDS: [(&str, &[Group]); 10] = [
             ("Mask and focus", "camera rings focus max-phase"),
             ("Score", "psi-range noise worst-weight window images"),
             ("Search", "population generations seed"),
+        ],
+    ),
+    (
+        "optics",
+        &[
+            ("Lens", "aperture-mm focal-mm pixel-um wavelengths range"),
+            ("Scene and light", "electrons read-noise mean-light images"),
+        ],
+    ),
+    (
+        "design new",
+        &[
+            ("Network", "form weights"),
+            ("Board and frame", "board clock-mhz size stride multipliers"),
+            ("Files to write", "name out force"),
         ],
     ),
     ("quantize", &[("Integers", "bits headroom stride overlap"), ("Fine-tuning", "finetune finetune-rate")]),

@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn the_clear_lens_has_nearly_all_of_the_limit_in_every_range() {
-        // Blue at the Nyquist frequency; the numbers are those of lens-bound.md.
+        // Blue at the Nyquist frequency; the numbers are those of docs/results/bound.md.
         assert!((clear(0.533, 8.0) - 0.2358).abs() < 5e-4, "{}", clear(0.533, 8.0));
         assert!((mean_square(0.533, 8.0) - 0.2370).abs() < 5e-4, "{}", mean_square(0.533, 8.0));
         for width in [4.0, 8.0, 16.0] {
