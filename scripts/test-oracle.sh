@@ -11,7 +11,7 @@ if [ -z "${EDOF:-}" ]; then
     cargo build -q -p edof-cli --locked
     EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
 fi
-environment=${CARGO_TARGET_DIR:-target}/oracles
+environment=$(realpath -m "${CARGO_TARGET_DIR:-target}")/oracles
 if ! "$environment/bin/python" -c 'import numpy, PIL' 2>/dev/null; then
     say "installing NumPy and Pillow under $environment"
     python3 -m venv --clear "$environment"
