@@ -1,18 +1,18 @@
 //! Parsers of files.
 
+use edof_core::CfaPhase;
 use edof_core::camera::Camera;
 use edof_core::camera::Kernels;
 use edof_device::Design;
 use edof_device::design::memory::{self, Set, Space};
 use edof_golden::cycle::estimate::estimate;
-use edof_core::CfaPhase;
 use edof_io::dng::Overrides;
 use edof_io::packing::{ByteOrder, Packing};
 use edof_io::raw::{Alignment, RawOptions, Size};
-use edof_study::methods::dictionary::Dictionary;
 use edof_network::weight_file::{WeightFileError, parse_fixed, parse_network};
 use edof_optics::SceneFile;
 use edof_study::journal::{Header, Journal, Line, Mixing};
+use edof_study::methods::dictionary::Dictionary;
 use edof_study::{aperture, kodak, single_depth, tolerances};
 use std::path::{Path, PathBuf};
 

@@ -4,8 +4,8 @@ use edof_core::camera::Camera;
 use edof_core::{CfaPhase, ColourFrame, RawFrame};
 use edof_io::photo;
 use edof_io::samples::Samples;
-use edof_study::methods::dictionary::{self, Recipe};
 use edof_network::weight_file::{save_fixed, save_network};
+use edof_study::methods::dictionary::{self, Recipe};
 use ndarray::{Array1, Array2, Array3};
 use std::io::{Cursor, Write};
 use std::path::Path;
@@ -230,7 +230,8 @@ pub fn rows() -> Vec<Vec<u8>> {
         let head: Vec<u8> = rows.split_inclusive(|byte| *byte == b'\n').take(4).flatten().copied().collect();
         [vec![study as u8], head].concat()
     };
-    let whole: Vec<Vec<u8>> = repository("crates/edof-study/tests/rows", &pages).into_iter().enumerate().map(first).collect();
+    let whole: Vec<Vec<u8>> =
+        repository("crates/edof-study/tests/rows", &pages).into_iter().enumerate().map(first).collect();
     let torn = whole.iter().map(|rows| rows[..rows.len() - 9].to_vec());
     torn.chain(whole.clone()).collect()
 }

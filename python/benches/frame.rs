@@ -1,7 +1,7 @@
 //! CPU seconds of a 1080p frame through the program's pipeline, as `benches/frame.py` measures `edof.reconstruct`: `scripts/bench-python.sh`.
 
-use edof_golden::Golden;
 use edof_core::{CfaPhase, RawFrame};
+use edof_golden::Golden;
 use edof_study::metrics::cpu_time;
 use ndarray::Array2;
 

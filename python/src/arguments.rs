@@ -145,8 +145,7 @@ pub fn noise(value: &Bound<'_, PyAny>) -> PyResult<edof_core::Noise> {
     }
     match value.extract::<f64>() {
         Ok(sigma) => {
-            let noise =
-                if sigma == 0.0 { edof_core::Noise::None } else { edof_core::Noise::gaussian(sigma) };
+            let noise = if sigma == 0.0 { edof_core::Noise::None } else { edof_core::Noise::gaussian(sigma) };
             noise.check().or_raise()?;
             Ok(noise)
         }

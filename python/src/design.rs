@@ -4,15 +4,15 @@ use crate::arguments::{name, positive};
 use crate::error::{OrRaise, failed, wrong_type};
 use crate::reconstruct::{fixed, frame};
 use crate::{job, json};
+use edof::presets::designs;
+use edof_core::RawFrame;
 use edof_cosim::bitstream::Sources;
 use edof_cosim::estimate::{Estimated, MeasureError, Measured, Picture};
 use edof_cosim::explore::{self, any_folding};
 use edof_device::Design;
 use edof_golden::cycle::Cycle;
 use edof_golden::cycle::explore::front;
-use edof_core::RawFrame;
 use edof_network::FixedNetwork;
-use edof::presets::designs;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -130,8 +130,10 @@ impl PyDesign {
         let mut found = job::run(py, work)??;
         let fast = found.iter().any(|one| one.frames >= fps);
         found.retain(|one| !fast || one.frames >= fps);
-        let figures: Vec<[f64; 3]> =
-            found.iter().map(|one| [one.cycles, one.used.multipliers as f64, one.used.whole_memories()]).collect();
+        let figures: Vec<[f64; 3]> = found
+            .iter()
+            .map(|one| [one.cycles, one.used.multipliers as f64, one.used.whole_memories()])
+            .collect();
         let kept = found.iter().zip(front(&figures)).filter_map(|(one, keep)| keep.then_some(one));
         kept.map(|one| {
             let row = PyDict::new(py);

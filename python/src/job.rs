@@ -29,7 +29,10 @@ pub fn run<T: Send + 'static>(
     // A receiver that has gone away has no use for the result.
     let job = move || drop(sender.send(catch_unwind(AssertUnwindSafe(|| work(&seen)))));
     std::thread::Builder::new().spawn(job).map_err(|error| {
-        PyRuntimeError::new_err(format!("cannot start a thread: {}", edof_core::storage::atomic::reason(&error)))
+        PyRuntimeError::new_err(format!(
+            "cannot start a thread: {}",
+            edof_core::storage::atomic::reason(&error)
+        ))
     })?;
     loop {
         let receiver = &mut receiver;
