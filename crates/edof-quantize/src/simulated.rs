@@ -157,6 +157,14 @@ mod tests {
         simulation_computes_the_words(9, Shrinkage::OneSided, [false; 3], 1_954_824_249_627_160_057).unwrap();
     }
 
+    /// The branch of each code: its sign, and whether it is beyond 2θ, where firm thresholding has another slope.
+    fn branches(codes: &[f32], theta: &[f32]) -> Vec<i8> {
+        let branch = |(z, theta): (&f32, &f32)| {
+            z.signum() as i8 * (i8::from(*z != 0.0) + i8::from(z.abs() > 2.0 * theta))
+        };
+        codes.iter().zip(theta.iter().cycle()).map(branch).collect()
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -190,7 +198,7 @@ mod tests {
             let mut loss = |weights: &[f32]| {
                 let (mut errors, mut unused) = ([0.0; 3], vec![0.0; weights.len()]);
                 pass.gradient(weights, &examples, &mut errors, &mut unused);
-                let open: Vec<i8> = (0..form.shrinkages()).flat_map(|t| pass.pass.z(t)).map(|z| i8::from(*z > 0.0) - i8::from(*z < 0.0)).collect();
+                let open = (0..form.shrinkages()).map(|t| branches(pass.pass.z(t), &weights[layout.thresholds[t].clone()])).collect::<Vec<_>>();
                 (errors.iter().zip(importance).map(|(e, i)| 0.5 * f64::from(e * i)).sum::<f64>(), open)
             };
             let groups = [&layout.analysis, &layout.dictionary, &layout.linear_path];

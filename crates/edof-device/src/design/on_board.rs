@@ -173,9 +173,6 @@ mod tests {
         let with = |board: &str| text.replacen('{', &format!("{{ \"board\": \"{board}\","), 1);
         assert_eq!(Design::from_json(&with("kc705")).unwrap(), design);
         let error = Design::from_json(&with("kc706")).unwrap_err().to_string();
-        assert!(
-            error.contains("board") && error.contains("'kc706' is unknown, expected kc705"),
-            "{error}"
-        );
+        assert!(error.contains("board") && error.contains("'kc706' is unknown, expected kc705"), "{error}");
     }
 }
