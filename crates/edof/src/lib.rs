@@ -19,7 +19,7 @@
 //! use edof::golden::Golden;
 //! use edof::optics::capture::{Approximation, capture};
 //! use edof::optics::draw::{Builtin, draw, four_depths};
-//! use edof::optics::sensor::Sensor;
+//! use edof::optics::Sensor;
 //! use edof::presets::{lens, weights};
 //!
 //! let camera = lens::resolve("ring-outer", None)?.camera;

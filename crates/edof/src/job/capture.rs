@@ -30,7 +30,7 @@ use std::path::{Path, PathBuf};
 /// use edof::core::storage::provenance::Provenance;
 /// use edof::io::raw::Size;
 /// use edof::job::{CaptureJob, CaptureOutputs, SceneSource, Synthetic};
-/// use edof::optics::{capture::Approximation, draw::Builtin, sensor::Sensor};
+/// use edof::optics::{capture::Approximation, draw::Builtin, Sensor};
 /// use edof::presets::lens;
 /// let folder = tempfile::tempdir()?;
 /// let raw = folder.path().join("raw.png");
