@@ -12,7 +12,7 @@ use rayon::prelude::*;
 /// each further pair then costs one multiplication and one transform.
 ///
 /// ```
-/// use edof_optics::{blur::Blur, psf::{Settings, channel_psfs}};
+/// use edof_optics::{Blur, psf::{Settings, channel_psfs}};
 /// let psfs = channel_psfs(&edof_core::camera::Camera::resolve("ring-2018")?, 4.0, &Settings::default())?;
 /// let plan = Blur::new(20, 30);
 /// let spectrum = plan.spectrum(ndarray::Array2::from_elem((20, 30), 0.5).view());

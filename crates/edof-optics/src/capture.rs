@@ -107,7 +107,7 @@ pub enum CaptureError {
 /// Captures a scene.
 ///
 /// ```
-/// use edof_optics::{capture::{Approximation, capture}, draw::{Builtin, draw, four_depths}, sensor::Sensor};
+/// use edof_optics::{capture::{Approximation, capture}, draw::{Builtin, draw, four_depths}, Sensor};
 /// let camera = edof_core::camera::Camera::resolve("ring-outer")?;
 /// let scene = draw(Builtin::Chart, 64, 96, &four_depths(camera.psi_range), 0)?;
 /// let shot = capture(&scene, &camera, &Sensor::default(), &Approximation::default())?;
