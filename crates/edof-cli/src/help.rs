@@ -78,7 +78,7 @@ const COMMANDS: [(&str, &[Group]); 12] = [
         &[
             ("Network", "form weights"),
             ("Board and frame", "board clock-mhz size stride multipliers"),
-            ("Files to write", "name out force"),
+            ("Files to write", "name out"),
         ],
     ),
     ("quantize", &[("Integers", "bits headroom stride overlap"), ("Fine-tuning", "finetune finetune-rate")]),

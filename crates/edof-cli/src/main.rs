@@ -34,6 +34,7 @@ mod files;
 mod help;
 mod interrupt;
 mod kind;
+mod limits;
 #[cfg(test)]
 mod pages;
 mod pictures;

@@ -113,6 +113,9 @@ impl<'a> Pupil<'a> {
     }
 
     /// Returns the derivative of [`Pupil::sample_at`] by a parameter of one of the camera's terms.
+    ///
+    /// # Panics
+    /// If the camera has no such term.
     pub fn term_change(&self, term: usize, parameter: usize) -> impl Fn(Place, f64) -> Complex64 {
         let i = Complex64::new(0.0, 1.0);
         let own: &dyn PhaseTerm = self.camera.terms().nth(term).expect("a term of the camera");

@@ -4,9 +4,9 @@ use super::statistics;
 use crate::error::Error;
 use crate::files::Files;
 use crate::lens::{self, Depth, DepthRange, Lens};
+use crate::limits::all_within;
 use crate::ui::Ui;
 use edof_core::camera::{Camera, Spectrum};
-use edof_core::words::number;
 use edof_optics::Statistics;
 use edof_optics::bound::Light;
 use edof_optics::psi_at;
@@ -66,7 +66,7 @@ impl Scene {
             ("--focal-mm", self.focal_mm),
             ("--pixel-um", self.pixel_um),
         ] {
-            within(option, &value.into_iter().collect::<Vec<_>>(), 1e-3, 1e4)?;
+            all_within(option, &value.into_iter().collect::<Vec<_>>(), 1e-3, 1e4)?;
         }
         camera.aperture_radius_mm = self.aperture_mm.map_or(camera.aperture_radius_mm, |mm| 0.5 * mm);
         camera.focal_length_mm = self.focal_mm.unwrap_or(camera.focal_length_mm);
@@ -90,9 +90,9 @@ impl Scene {
     /// # Errors
     /// A number out of range.
     pub fn light(&self, electrons: f64) -> Result<Light, Error> {
-        within("--electrons", &[electrons], 1.0, 1e9)?;
-        within("--read-noise", &[self.read_noise], 0.0, 1e6)?;
-        within("--mean-light", &[self.mean_light], 0.0, 1.0)?;
+        all_within("--electrons", &[electrons], 1.0, 1e9)?;
+        all_within("--read-noise", &[self.read_noise], 0.0, 1e6)?;
+        all_within("--mean-light", &[self.mean_light], 0.0, 1.0)?;
         Ok(Light { electrons, read_noise_e: self.read_noise, mean: self.mean_light })
     }
 
@@ -131,16 +131,4 @@ pub fn with_range(camera: &Camera, range: Option<DepthRange>) -> Result<Camera, 
         camera.check().map_err(|e| Error::message(format!("{given}: {e}")))?;
     }
     Ok(camera)
-}
-
-fn within(option: &str, values: &[f64], min: f64, max: f64) -> Result<(), Error> {
-    match values.iter().find(|value| !(min..=max).contains(*value)) {
-        None => Ok(()),
-        Some(value) => Err(Error::message(format!(
-            "{option} {}: must be from {} to {}",
-            number(*value),
-            number(min),
-            number(max)
-        ))),
-    }
 }

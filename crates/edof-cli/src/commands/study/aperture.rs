@@ -4,10 +4,10 @@ use super::options::{MayKeepRows, Outputs, measured, tell};
 use crate::commands::optics::statistics;
 use crate::error::Error;
 use crate::files::Files;
+use crate::limits::all_within;
 use crate::said;
 use crate::ui::Ui;
 use edof_core::camera::Camera;
-use edof_core::words::number;
 use edof_optics::Statistics;
 use edof_study::aperture::{Aperture, Comparing, Plan};
 use std::path::PathBuf;
@@ -129,16 +129,4 @@ pub(super) fn sorted(values: &[f64]) -> Vec<f64> {
     values.sort_by(f64::total_cmp);
     values.dedup();
     values
-}
-
-pub(super) fn all_within(option: &str, values: &[f64], min: f64, max: f64) -> Result<(), Error> {
-    match values.iter().find(|value| !(min..=max).contains(*value)) {
-        None => Ok(()),
-        Some(value) => Err(Error::message(format!(
-            "{option} {}: must be from {} to {}",
-            number(*value),
-            number(min),
-            number(max)
-        ))),
-    }
 }

@@ -1,10 +1,11 @@
 //! `edof study aperture-networks`: why not close the aperture, with a network for each lens?
 
-use super::aperture::{all_within, sorted};
+use super::aperture::sorted;
 use super::nets;
 use super::options::{Kernels, MayKeepRows, Outputs, Photographs, measured, tell};
 use crate::error::Error;
 use crate::files::Files;
+use crate::limits::all_within;
 use crate::said;
 use crate::ui::Ui;
 use edof_core::Stride;
