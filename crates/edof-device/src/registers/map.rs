@@ -353,12 +353,19 @@ pub const REGISTERS: &[Register] = &[
         "pattern",
         PATTERN,
         0,
-        &[Field {
-            name: "kind",
-            low: 0,
-            bits: 3,
-            doc: "0 none, 1 ramp, 2 chart, 3 noise, 4 zeros, 5 ones, 6 alternating, 7 the tile (`tile`).",
-        }],
+        &[
+            Field {
+                name: "kind",
+                low: 0,
+                bits: 3,
+                doc: "0 none, 1 ramp, 2 chart, 3 noise, 4 zeros, 5 ones, 6 alternating, 7 the tile (`tile`).",
+            },
+            bit(
+                "host",
+                3,
+                "The frame that the host wrote (`frame`), whatever `kind` is. Until it is whole, the last frame before it is repeated.",
+            ),
+        ],
         "Raw frames that the board makes in place of the source's frames, which are dropped meanwhile (docs/contract.md, 1.3).",
     ),
     status(
@@ -418,6 +425,16 @@ pub const REGISTERS: &[Register] = &[
         ],
         "The first pixel of the square of codes that `picture` shows.",
     ),
+    status(
+        "frame_blocks",
+        FRAME_BLOCKS,
+        &[
+            Field { name: "accepted", low: 0, bits: 16, doc: "Blocks that were accepted." },
+            bit("busy", 16, "A block is checked or sent: words of `frame` are ignored."),
+        ],
+        "Blocks of the host's frame (`frame`). `pattern.host` 0, a reset, or a memory that stops serving restarts the frame.",
+    ),
+    count("frame_check", FRAME_BLOCKS + 4, "Check of the host's frame up to the last accepted block."),
 ];
 
 /// Counters of the calculator's stages.
@@ -468,6 +485,16 @@ pub const PICTURE_PIXELS: Window = Window {
     doc: "Word 64·row + column: codes of a pixel, Y' low, Cb' or Cr' high, of the last picture that passed, counted from `picture_corner`.",
 };
 
+/// A block of the host's raw frame.
+pub const FRAME: Window = Window {
+    name: "frame",
+    address: 0x1_8000,
+    bytes: 0x4000,
+    access: Access::WriteOnly,
+    doc: "Words 0 to 2047: a block of lines, two raw pixel words each, the left one in the lower half. Word 2048: the block's check; if it is \
+          right, the block becomes the next lines of the frame (`pattern.host`), else it is ignored. Word 2049 restarts the frame.",
+};
+
 /// Weights, thresholds and shifts of all stages.
 pub const WEIGHTS: Window = Window {
     name: "weights",
@@ -480,7 +507,7 @@ pub const WEIGHTS: Window = Window {
 
 /// Every window, by address.
 pub const WINDOWS: &[Window] =
-    &[STAGE_COUNTERS, STAGE_READS, TILE_PIXELS, PICTURE_PIXELS, DISPLAY_TABLES, WEIGHTS];
+    &[STAGE_COUNTERS, STAGE_READS, TILE_PIXELS, PICTURE_PIXELS, FRAME, DISPLAY_TABLES, WEIGHTS];
 
 /// A register by its name.
 #[must_use]
