@@ -22,11 +22,12 @@ enum Phase {
     Send,
 }
 
-/// Pixels of the source, or in their place a frame of the host, block by block (`edof_device::host_frame`), one pixel in four cycles at most.
+/// Pixels of the source, or in their place a frame of the host, block by block, one pixel in four cycles at most.
 ///
-/// A block is a number of lines. The host writes its words, then its check; the block leaves only if the check is right, so that a frame has
-/// nothing but right blocks in order. With `select` 0 the source's pixels pass without a register, from a frame's first pixel on; with
-/// 1 they are thrown away, as soon as none is offered and not taken. Back to 0, a block in progress leaves first.
+/// A block is some lines (`edof_device::host_frame`). The host writes its words, then its check. The block leaves
+/// only if the check is right, so a frame has nothing but right blocks in order. With `select` 0 the source's
+/// pixels pass without a register, from a frame's first pixel on. With 1 they are thrown away, as soon as none is
+/// offered and not taken. Back to 0, a block in progress leaves first.
 #[derive(Circuit)]
 #[circuit(default(Crc), registers(clock, reset))]
 pub struct HostFrame {
@@ -64,7 +65,6 @@ pub struct HostFrame {
     phase: DFF<Phase>,
     #[reset(0)]
     accepted: DFF<Bits<16>>,
-    is_whole: DFF<Bit>,
     #[reset(0)]
     check_q: DFF<Bits<32>>,
     expected: DFF<Bits<32>>,
@@ -76,7 +76,8 @@ pub struct HostFrame {
     #[reset(0)]
     reads: DFF<Bits<4>>,
     pause: DFF<Bits<2>>,
-    is_right: DFF<Bit>,
+    // The word's second pixel is next.
+    is_second: DFF<Bit>,
     column: DFF<Bits<12>>,
     #[reset(true)]
     is_first: DFF<Bit>,
@@ -133,7 +134,6 @@ impl Logic for HostFrame {
         self.matches.d.next = self.crc.crc.val() == self.expected.q.val();
 
         // What becomes of a block.
-        self.is_whole.d.next = self.accepted.q.val() == self.frame_blocks.val();
         match self.phase.q.val() {
             Phase::Fill => {
                 self.word.d.next = 0.into();
@@ -143,7 +143,7 @@ impl Logic for HostFrame {
                         self.check_q.d.next = 0.into();
                         self.column.d.next = 0.into();
                         self.is_first.d.next = true;
-                    } else if !self.is_whole.q.val() {
+                    } else if self.accepted.q.val() != self.frame_blocks.val() {
                         self.begins.d.next = true;
                         self.expected.d.next = self.data.val();
                         self.phase.d.next = Phase::Read;
@@ -160,7 +160,7 @@ impl Logic for HostFrame {
             }
             Phase::Judge => {
                 self.pause.d.next = 0.into();
-                self.is_right.d.next = false;
+                self.is_second.d.next = false;
                 if !self.reads.q.val().any() {
                     self.phase.d.next = Phase::Fill;
                     if self.matches.q.val() {
@@ -184,8 +184,8 @@ impl Logic for HostFrame {
                     if self.column.q.val() == self.last_column.val() {
                         self.column.d.next = 0.into();
                     }
-                    self.is_right.d.next = !self.is_right.q.val();
-                    if self.is_right.q.val() {
+                    self.is_second.d.next = !self.is_second.q.val();
+                    if self.is_second.q.val() {
                         self.pixel.d.next = self.ram.read_data.val().get_bits::<16>(16);
                         self.word.d.next = self.word.q.val() + 1;
                         if self.word.q.val() == self.last_word.val() {

@@ -241,7 +241,11 @@ fn put_frame(board: &mut Board<Serial>, part: &Part<'_>, step: Step<'_>, ui: &Ui
     let time = time.as_secs_f64();
     ui.note(format!("{time:.1} s on the line, and {turns} times until its bridge has turned round"));
     let begun = Instant::now();
-    let put = board.put_frame(&pixels, &mut |done, of| step(done as usize, of as usize)).map_err(of)?;
+    let put = board.put_frame(&pixels, &mut |done, of| step(done as usize, of as usize));
+    if matches!(put, Err(edof_board::Error::Interrupted)) {
+        ui.note("the same command resumes; until then the board repeats its last frame, or uses its source's after 'edof board picture off'");
+    }
+    let put = put.map_err(of)?;
     let seconds = begun.elapsed().as_secs_f64();
     let (columns, rows) = part.size.unwrap_or_default();
     let resumed = match put.resumed {
