@@ -40,9 +40,9 @@ module prove (
         .pixels_valid_o(valid), .pixels_data_o(pixel), .pixels_user_o(user), .pixels_last_o(last), .pixels_ready_i(ready_i),
         .blocks_o(blocks), .check_o(check)
     );
-    (* hierconn *) wire \dut.on_q , \dut.is_second_q ;
+    (* hierconn *) wire \dut.on_q , \dut.is_second_q , \dut.is_first_q ;
     (* hierconn *) wire [1:0] \dut.phase_q ;
-    (* hierconn *) wire [11:0] \dut.word_q ;
+    (* hierconn *) wire [11:0] \dut.word_q , \dut.column_q ;
     localparam SEND = 3;
     wire on = \dut.on_q ;
     wire busy = blocks[16];
@@ -81,6 +81,8 @@ module prove (
             drops: assert (!on || source_ready);
             passes: assert (on || !valid || (valid_i && pixel == pixel_i && source_ready == ready_i));
             // How the states of the block belong together.
+            if (on) next_pixel: assert (\dut.column_q == made[0] && \dut.is_first_q == (made == 0));
+            if (on && place == 15) offered: assert (valid);
             if (on && \dut.phase_q == SEND) inside: assert (made == {blocks[1:0], \dut.word_q [0], \dut.is_second_q });
         end
         takes_two_blocks: cover (started && blocks == 2 && !valid);
