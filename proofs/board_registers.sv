@@ -21,7 +21,7 @@ module prove (
     input wire        table_ready_i,
     input wire        weight_ready_i
 );
-    wire aw_ready, w_ready, b_valid, ar_ready, r_valid, tile_write, stage_valid, table_valid, weight_valid;
+    wire aw_ready, w_ready, b_valid, ar_ready, r_valid, tile_write, frame_write, stage_valid, table_valid, weight_valid;
     wire [1:0] b_resp, r_resp;
     wire [31:0] r_data, weights_hash, control, scratch, weight_data;
     wire [24:0] weight_address;
@@ -31,7 +31,7 @@ module prove (
         .clock_i(clock_i), .reset_i(reset_i), .preserve_i(keeps_i), .bus_aw_addr_i(aw_addr_i), .bus_aw_valid_i(aw_valid_i), .bus_aw_ready_o(aw_ready),
         .bus_w_data_i(w_data_i), .bus_w_strb_i(w_strb_i), .bus_w_valid_i(w_valid_i), .bus_w_ready_o(w_ready), .bus_b_resp_o(b_resp),
         .bus_b_valid_o(b_valid), .bus_b_ready_i(b_ready_i), .bus_ar_addr_i(ar_addr_i), .bus_ar_valid_i(ar_valid_i), .bus_ar_ready_o(ar_ready),
-        .bus_r_data_o(r_data), .bus_r_resp_o(r_resp), .bus_r_valid_o(r_valid), .bus_r_ready_i(r_ready_i), .tile_write_o(tile_write),
+        .bus_r_data_o(r_data), .bus_r_resp_o(r_resp), .bus_r_valid_o(r_valid), .bus_r_ready_i(r_ready_i), .tile_write_o(tile_write), .frame_write_o(frame_write),
         .weights_hash_o(weights_hash), .control_o(control), .scratch_o(scratch), .stage_valid_o(stage_valid), .stage_ready_i(stage_ready_i),
         .unreached_i(unreached_i), .table_valid_o(table_valid), .table_ready_i(table_ready_i), .table_address_o(table_address),
         .table_data_o(table_data), .weight_valid_o(weight_valid), .weight_ready_i(weight_ready_i), .weight_address_o(weight_address),
@@ -56,6 +56,7 @@ module prove (
     wire tables = address[31:19] == 2;
     wire weights = address[31:27] == 1;
     wire tile = address[31:14] == 4;
+    wire frame = address[31:14] == 6;
     wire [3:0] stage = address[26:23];
     wire [1:0] space = address[22:21];
     wire [11:0] row = address[14:3];
@@ -68,7 +69,7 @@ module prove (
     wire kept_out = whole && (barred || unchecked);
     wire known = address[7:2] == 4 || address[7:2] == 5 || address[7:2] == 6 || address[7:2] == 7 || address[7:2] == 40 || address[7:2] == 41
         || address[7:2] == 44 || address[7:2] == 53;
-    wire is_written = whole && !kept_out && (tables || weights || tile || (area && known));
+    wire is_written = whole && !kept_out && (tables || weights || tile || frame || (area && known));
     // The access writes a register in this cycle.
     wire now = writes && age == 3 && whole && area && !unchecked;
 
@@ -133,6 +134,7 @@ module prove (
             tables_kept: assert (!table_valid || (writes && whole && tables && !(protection[0] && control[0])));
             its_entry: assert (!table_valid || (table_address == address[18:2] && table_data == word[11:0]));
             tile_alone: assert (!tile_write || (writes && whole && tile));
+            frame_alone: assert (!frame_write || (writes && whole && frame));
             told: assert (!b_valid || (b_resp == (is_written && !((weights || tables) && error) ? 0 : 2)));
         end
         writes_bank: cover (started && weight_valid && weight_ready_i && control[2] && row < 8 && space == 1);

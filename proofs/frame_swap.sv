@@ -1,11 +1,10 @@
 // A write agent and the read agent of the same three buffers, whatever pixels come, however the memory answers, resets at any moment: the buffer
 // that is written is neither the newest whole one nor the one that is read; the newest becomes one only when all of it was written; a
 // frame that is read is the newest of the moment at which it began, and stays the same to its end.
-module prove #(
-    parameter REPEATS = 1
-) (
+module prove (
     input wire         clock_i,
     input wire         reset_i,
+    input wire         repeats_i,
     input wire         pixels_valid_i,
     input wire [15:0]  pixels_data_i,
     input wire         pixels_user_i,
@@ -27,8 +26,8 @@ module prove #(
         .pixels_last_i(pixels_last_i), .dram_aw_ready_i(aw_ready_i), .dram_w_ready_i(w_ready_i), .dram_b_resp_i(b_resp_i),
         .dram_b_valid_i(b_valid_i), .corrupted_i(corrupted_i), .reading_i(reading), .newest_o(newest)
     );
-    read_agent_w512 #(.REPEATS(REPEATS)) reader (
-        .clock_i(clock_i), .reset_i(reset_i), .newest_i(newest), .reading_o(reading), .dram_ar_ready_i(ar_ready_i), .dram_r_data_i(r_data_i),
+    read_agent_w512 reader (
+        .clock_i(clock_i), .reset_i(reset_i), .newest_i(newest), .repeats_i(repeats_i), .reading_o(reading), .dram_ar_ready_i(ar_ready_i), .dram_r_data_i(r_data_i),
         .dram_r_resp_i(r_resp_i), .dram_r_valid_i(r_valid_i), .pixels_ready_i(out_ready_i)
     );
     (* hierconn *) wire [1:0] \writer.phase_q , \writer.target_q ;

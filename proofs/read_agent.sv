@@ -7,12 +7,12 @@
 // The frame is made small for the proof: 2 lines of WORDS pixels, two pixels a word, bursts of two words, room for four; counters have four
 // bits. Of each pixel one bit is looked at; without DATA none, in a frame that does not fit the room.
 module prove #(
-    parameter REPEATS = 1,
     parameter WORDS = 3,
     parameter DATA = 1
 ) (
     input wire       clock_i,
     input wire [1:0] newest_i,
+    input wire       repeats_i,
     input wire       ar_ready_i,
     input wire       r_valid_i,
     input wire [1:0] r_bits_i,
@@ -27,8 +27,8 @@ module prove #(
     wire [1:0] reading;
     wire [15:0] pixel;
     reg started = 0;
-    read_agent_w512 #(.REPEATS(REPEATS), .BASE_0(0), .BASE_1(1024), .BASE_2(2048)) dut (
-        .clock_i(clock_i), .reset_i(!started), .newest_i(newest_i), .reading_o(reading), .dram_ar_addr_o(ar_addr), .dram_ar_len_o(ar_len),
+    read_agent_w512 #(.BASE_0(0), .BASE_1(1024), .BASE_2(2048)) dut (
+        .clock_i(clock_i), .reset_i(!started), .newest_i(newest_i), .repeats_i(repeats_i), .reading_o(reading), .dram_ar_addr_o(ar_addr), .dram_ar_len_o(ar_len),
         .dram_ar_valid_o(ar_valid), .dram_ar_ready_i(ar_ready_i), .dram_r_data_i(DATA ? {495'd0, r_bits_i[1], 15'd0, r_bits_i[0]} : 512'd0),
         .dram_r_resp_i({DATA && r_wrong_i, 1'b0}), .dram_r_valid_i(r_valid_i), .dram_r_ready_o(r_ready), .pixels_valid_o(valid),
         .pixels_data_o(pixel), .pixels_user_o(user), .pixels_last_o(last), .pixels_ready_i(out_ready_i)

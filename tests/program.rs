@@ -3,6 +3,7 @@
 mod architecture;
 mod board;
 mod board_data;
+mod board_picture;
 mod bound;
 mod contradictions;
 mod developing;

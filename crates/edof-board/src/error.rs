@@ -162,6 +162,19 @@ pub enum Error {
     /// No frame passes the calculator.
     #[error("{port}: no whole frame passes the calculator; 'edof board status' says what comes and goes")]
     NoFrame { port: String },
+    /// A raw frame of another size than the board's.
+    #[error("{port}: a raw frame of {}x{} pixels, expected {}x{}, the board's", found.0, found.1, expected.0, expected.1)]
+    FrameSize { port: String, found: (usize, usize), expected: (usize, usize) },
+    /// A block of a raw frame did not come through.
+    #[error(
+        "{port}: block {block} of {blocks} of the raw frame was not accepted in {tried} attempts: the line is noisy, or another sender uses it"
+    )]
+    BlockLost { port: String, block: usize, blocks: usize, tried: u32 },
+    /// What the calculator reads is not the raw frame that was put.
+    #[error(
+        "{port}: the raw frame in the memory has CRC {found:08x}, expected {expected:08x}: 'edof board selftest' tests the memory"
+    )]
+    FrameDiffers { port: String, found: u32, expected: u32 },
     /// The user asked to stop.
     #[error("interrupted")]
     Interrupted,

@@ -13,7 +13,7 @@
 //! | counters | [`status`] | frames per second, late ones, saturations |
 //! | is every picture right | [`check`] | CRCs of frames at each boundary, beside those of the golden pipeline |
 //! | does every part work | [`self_test`] | bus, memories, multipliers, chips, clocks, each with what was found |
-//! | pictures over the line | [`picture`] | a tile of raw pixels in, codes out |
+//! | pictures over the line | [`picture`], [`host_frame`] | a tile of raw pixels or a whole raw frame in, codes out |
 //! | video chips | [`chips`], [`diagnosis`], [`align`] | their registers, what they miss in words, the receiver's clock where it works |
 //! | a board in Rust | [`simulated`] | the same registers and memories, pictures of the golden pipeline ([`Simulated`]) |
 //! | what may go wrong | [`faulty`] | a line that loses, doubles or changes a byte, a host that ends, a board that is reset |
@@ -57,6 +57,7 @@ pub mod diagnosis;
 pub mod dry_run;
 pub mod error;
 pub mod faulty;
+pub mod host_frame;
 pub mod line;
 pub mod link;
 pub mod load;

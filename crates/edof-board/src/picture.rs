@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::line::Line;
 use edof_device::pattern::{TILE, TILE_PIXELS, TILE_SIDE};
 use edof_device::registers::map;
-use ndarray::Array2;
+use ndarray::{Array2, s};
 use std::ops::ControlFlow;
 
 /// Words of one exchange on the line.
@@ -31,14 +31,34 @@ impl<L: Line> Board<L> {
         self.link.set(map::PATTERN, TILE)
     }
 
-    /// The codes of a square of 64 × 64 pixels whose first one is at `row`, `column` of the picture, as the last picture had them; 0 outside of it.
+    /// The codes of a part of the last picture, whose first pixel is at `row`, `column` and which has so many rows and columns; 0 outside of the picture.
     ///
     /// # Errors
     /// As [`Board::put_tile`].
     pub fn get_codes(
         &mut self,
         (row, column): (usize, usize),
+        (rows, columns): (usize, usize),
         step: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
+    ) -> Result<Array2<u16>, Error> {
+        let mut codes = Array2::zeros((rows, columns));
+        let starts = |length: usize| (0..length).step_by(TILE_SIDE);
+        let total = starts(rows).len() * starts(columns).len() * TILE_PIXELS;
+        let mut before = 0;
+        for (r, c) in starts(rows).flat_map(|r| starts(columns).map(move |c| (r, c))) {
+            let square = self.square((row + r, column + c), &mut |done| step(before + done, total))?;
+            before += TILE_PIXELS;
+            let (height, width) = (TILE_SIDE.min(rows - r), TILE_SIDE.min(columns - c));
+            codes.slice_mut(s![r..r + height, c..c + width]).assign(&square.slice(s![..height, ..width]));
+        }
+        Ok(codes)
+    }
+
+    /// The codes of the square of 64 × 64 pixels from a corner on.
+    fn square(
+        &mut self,
+        (row, column): (usize, usize),
+        step: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> Result<Array2<u16>, Error> {
         self.link.set(map::PICTURE_CORNER, (row << 16 | column) as u32)?;
         // A whole picture passes after the corner was set.
@@ -52,7 +72,7 @@ impl<L: Line> Board<L> {
         }
         let mut words = vec![];
         while words.len() < TILE_PIXELS {
-            if step(words.len(), TILE_PIXELS).is_break() {
+            if step(words.len()).is_break() {
                 return Err(Error::Interrupted);
             }
             let some = self.link.read(map::PICTURE_PIXELS.word(words.len() as u32), AT_ONCE)?;

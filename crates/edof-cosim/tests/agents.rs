@@ -59,6 +59,8 @@ impl Logic for Agents {
             self.writers[i].reading.next = self.readers[i].reading.val();
             self.readers[i].newest.next = self.writers[i].newest.val();
         }
+        self.readers[0].repeats.next = false;
+        self.readers[1].repeats.next = true;
         StreamIn::<16>::link(&mut self.from_0, &mut self.writers[0].pixels);
         StreamIn::<16>::link(&mut self.from_1, &mut self.writers[1].pixels);
         StreamOut::<16>::link(&mut self.to_0, &mut self.readers[0].pixels);
@@ -110,7 +112,7 @@ pub fn plain() -> Source {
     let sets = [0, 1];
     let mut agents = Agents::from_parts(AgentsParts {
         writers: sets.map(|set| WriteAgent::new(&frames(set))),
-        readers: sets.map(|set| ReadAgent::new(&frames(set), set == 1)),
+        readers: sets.map(|set| ReadAgent::new(&frames(set))),
         pair: AxiPair::default(),
     });
     Source::circuit(&mut agents).unwrap()

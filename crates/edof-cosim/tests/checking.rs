@@ -3,6 +3,7 @@
 use crate::common::networks;
 use crate::edof_core::design;
 use crate::simulated_board::Setup;
+use edof_board::faulty::{Fault, Faulty, Kind, Resettable};
 use edof_board::link::PATIENCE;
 use edof_board::self_test::SelfTest;
 use edof_board::{Board, Line};
@@ -286,7 +287,9 @@ fn a_tile_comes_back<L: Line>(setup: &Setup, line: L) {
     let bytes = golden.frame(&frame).unwrap().picture(&setup.display).0.yuyv();
     let (height, width) = (setup.design.frame.height, setup.design.frame.width);
     for (row, column) in [(0, 0), (height - 5, width - 6)] {
-        let codes = board.get_codes((row, column), &mut |_, _| ControlFlow::Continue(())).unwrap();
+        let codes = board
+            .get_codes((row, column), (TILE_SIDE, TILE_SIDE), &mut |_, _| ControlFlow::Continue(()))
+            .unwrap();
         for ((r, c), code) in
             codes.indexed_iter().filter(|((r, c), _)| row + r < height && column + c < width)
         {
@@ -311,4 +314,39 @@ fn a_tile_comes_back_in_verilog() {
 fn a_tile_comes_back_in_rust() {
     let setup = Setup::tiny(FAST);
     a_tile_comes_back(&setup, setup.in_rust());
+}
+
+/// A whole frame goes in and is used again and again, also after a byte on the line was lost; then the source's frames are used once more.
+fn a_frame_goes_round<K: Resettable>(setup: &Setup, mut board: K) {
+    let draw = &mut Draw::new(9);
+    let size = (setup.design.frame.height, setup.design.frame.width);
+    let golden = Golden::new(setup.sets[0].clone()).unwrap();
+    let mut go_on = |_, _| ControlFlow::Continue(());
+    for lost in [None, Some(1_000)] {
+        let pixels = Array2::from_shape_simple_fn(size, || draw.bits() as u16);
+        let fault = Fault { kind: Kind::Drop, to_board: true, at: lost.unwrap_or(u64::MAX) };
+        let mut host = Board::open(Faulty::new(&mut board, fault), PATIENCE).unwrap();
+        let put = host.put_frame(&pixels, &mut |_, _| ControlFlow::Continue(())).unwrap();
+        assert_eq!((put.blocks, put.words >= pixels.len() as u64 / 2), (1, true));
+        assert_eq!(host.repeats() > 0, lost.is_some());
+        let frame = RawFrame::from_values(pixels, 16, CfaPhase::Rggb).unwrap();
+        let expected = golden.checks(&setup.display, &frame).unwrap();
+        assert_eq!(host.check_frames(&expected, 2, &mut go_on).unwrap().difference, None);
+    }
+    let mut host = Board::open(&mut board, PATIENCE).unwrap();
+    host.set_pattern(None).unwrap();
+    let expected = golden.checks(&setup.display, &carried(&setup.raw)).unwrap();
+    assert_eq!(host.check_frames(&expected, 1, &mut go_on).unwrap().difference, None);
+}
+
+#[test]
+fn a_frame_goes_round_in_verilog() {
+    let setup = Setup::tiny(FAST);
+    a_frame_goes_round(&setup, setup.in_verilog(35));
+}
+
+#[test]
+fn a_frame_goes_round_in_rust() {
+    let setup = Setup::tiny(FAST);
+    a_frame_goes_round(&setup, setup.in_rust());
 }

@@ -29,6 +29,7 @@ mod full_frame;
 mod full_width;
 mod generated;
 mod host;
+mod host_frame;
 mod i2c;
 mod i2c_programs;
 mod icarus;

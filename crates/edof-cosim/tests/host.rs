@@ -372,6 +372,8 @@ impl Logic for Line {
         self.registers.check_codes.next = 0.into();
         self.registers.check_sent.next = 0.into();
         self.registers.check_frames.next = 0.into();
+        self.registers.frame_blocks.next = 0.into();
+        self.registers.frame_check.next = 0.into();
     }
 }
 

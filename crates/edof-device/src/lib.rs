@@ -9,6 +9,7 @@
 //! | set-up of the video chips | [`i2c`] |
 //! | depths of FIFOs | [`fifos`] |
 //! | raw frames that the board makes itself | [`pattern`] |
+//! | a raw frame that the host writes | [`host_frame`] |
 //! | CRC of frames | [`crc`] |
 //! | random networks and windows (feature `random`) | `random` |
 
@@ -18,6 +19,7 @@ pub mod board;
 pub mod crc;
 pub mod design;
 pub mod fifos;
+pub mod host_frame;
 pub mod i2c;
 pub mod input_timing;
 pub mod pattern;

@@ -6,6 +6,7 @@ pub(super) use checks::Checks;
 
 use super::chips::Chips;
 use super::faults::Faults;
+use super::host_frame::HostFrame;
 use super::memory::{self, Stage};
 use super::uart::Bus;
 use super::video::{self, Made, Pixels, Tables};
@@ -15,6 +16,7 @@ use edof_device::design::StagePlan;
 use edof_device::design::memory::{self as memory_map, Space, TABLES, WHOLE_CHAIN};
 use edof_device::design::reading::{READ_REGISTER, ReadBack, crc};
 use edof_device::design::timing::{READ_LATENCY, READ_PERIOD};
+use edof_device::host_frame::HOST;
 use edof_device::pattern::TILE;
 use edof_device::registers::identity::design_hash;
 use edof_device::registers::map::{self, DISPLAY_TABLES, REGISTERS, STAGE_COUNTERS, STAGE_READS, WEIGHTS};
@@ -69,10 +71,25 @@ pub(super) struct Inside {
     /// The tile that the host writes, and how often it did.
     pub(super) tile: Vec<u16>,
     pub(super) tile_version: u32,
+    /// The frame that the host writes, its last whole one, and where the frame in the memory came from when `pattern.host` was set, or since.
+    pub(super) host: HostFrame,
+    pub(super) host_frame: Vec<u16>,
+    pub(super) kept: Source,
 }
 
-/// What a picture depends on: set, version of it, mode, version of the tables, pattern.
-pub(super) type Key = (usize, u64, bool, u64, u32);
+/// Where the raw frames in the memory come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Source {
+    Camera,
+    Pattern(u32),
+    /// The tile, and how often it was written.
+    Tile(u32),
+    /// The host's frame, and its check.
+    Host(u32),
+}
+
+/// What a picture depends on: set, version of it, mode, version of the tables, raw frames.
+pub(super) type Key = (usize, u64, bool, u64, Source);
 
 /// Cycles that the calculator takes for a picture, and what of: without a picture yet, all values count.
 pub(super) struct Load {
@@ -112,6 +129,7 @@ impl Inside {
             .collect();
         self.controls.insert(map::WEIGHTS_HASH, self.start_hash);
         self.refused = 0;
+        self.host.restart();
         self.counts.clear();
         self.chips.reset(self.now);
         self.forget();
@@ -150,6 +168,12 @@ impl Inside {
     }
 
     pub(super) fn set_control(&mut self, address: u32, word: u32) {
+        if address == map::PATTERN {
+            self.kept = self.source();
+            if word & HOST == 0 {
+                self.host.restart();
+            }
+        }
         let register = REGISTERS.iter().find(|register| register.address == address);
         let mask = register.map_or(0, edof_device::registers::Register::mask);
         self.controls.insert(address, word & mask);
@@ -173,9 +197,26 @@ impl Inside {
 
     pub(super) fn key(&self, set: usize) -> Key {
         let colour = self.control() & map::COLOUR != 0;
-        let pattern = self.controls.get(&map::PATTERN).copied().unwrap_or(0);
-        let pattern = if pattern == TILE { pattern | self.tile_version << 3 } else { pattern };
-        (set, self.versions[set], colour, self.versions[2], pattern)
+        (set, self.versions[set], colour, self.versions[2], self.source())
+    }
+
+    /// Where the raw frames in the memory come from.
+    fn source(&self) -> Source {
+        match self.controls.get(&map::PATTERN).copied().unwrap_or(0) {
+            0 => Source::Camera,
+            TILE => Source::Tile(self.tile_version),
+            pattern if pattern & HOST != 0 => self.kept,
+            pattern => Source::Pattern(pattern),
+        }
+    }
+
+    /// Takes a word of the host's frame; when the frame is whole it is the one in the memory.
+    fn write_frame(&mut self, index: u32, word: u32) {
+        let is_chosen = self.controls.get(&map::PATTERN).is_some_and(|pattern| pattern & HOST != 0);
+        if is_chosen && !self.host.write(index, word).is_empty() && self.host.is_whole() {
+            self.host_frame = self.host.pixels().to_vec();
+            self.kept = Source::Host(self.host.check());
+        }
     }
 
     pub(super) fn network(&self, set: usize) -> Option<FixedNetwork> {
@@ -317,6 +358,8 @@ impl Inside {
             "frame_size" | "input_size" => size,
             "status" => self.status(),
             "uart_broken" => self.uart_broken,
+            "frame_blocks" => self.host.blocks(),
+            "frame_check" => self.host.check(),
             name if Chips::has(name) => self.chips.register(name),
             "writes_refused" => self.refused,
             "core_cycles" => self.cycles(u64::from(self.design.board.core_khz)),
@@ -397,6 +440,8 @@ impl Bus for Inside {
         } else if let Some(index) = word_of(&map::TILE_PIXELS, address) {
             self.tile[index] = word as u16;
             self.tile_version += 1;
+        } else if let Some(index) = word_of(&map::FRAME, address) {
+            self.write_frame(index as u32, word);
         } else if self.controls.contains_key(&address) {
             self.follow_chips();
             let before = self.control();

@@ -8,6 +8,7 @@
 //! | what the stages hold | [`memory`] |
 //! | set-up of the video chips | [`setup`] |
 //! | the chips themselves, and the ends of their cables | [`chips`] |
+//! | a raw frame that the host writes | [`host_frame`] |
 //! | frames, tables, pictures | [`video`] |
 //! | faults that a test gives it | [`faults`] |
 //!
@@ -15,6 +16,7 @@
 
 pub mod chips;
 pub mod faults;
+pub mod host_frame;
 mod inside;
 pub mod memory;
 pub mod setup;
@@ -36,7 +38,8 @@ use edof_device::video::VideoTiming;
 use edof_golden::{Display, Golden};
 use edof_network::FixedNetwork;
 use faults::Faults;
-use inside::{Checks, Inside, Load, Time};
+use host_frame::HostFrame;
+use inside::{Checks, Inside, Load, Source, Time};
 use memory::Stage;
 use std::collections::{BTreeMap, VecDeque};
 use std::io;
@@ -110,6 +113,9 @@ impl Simulated {
             checks: Checks::default(),
             tile: vec![0; TILE_PIXELS],
             tile_version: 0,
+            host: HostFrame::new(design.frame),
+            host_frame: vec![],
+            kept: Source::Camera,
             faults: Faults::default(),
         };
         inside.power_on();

@@ -5,6 +5,7 @@ mod chips;
 mod common;
 mod dry_run;
 mod faults;
+mod host_frame;
 mod loading;
 mod page;
 mod registers;

@@ -1,12 +1,12 @@
-//! The registers and windows of the board; their addresses, bits and checked words by name are in `words.rs`.
+//! The registers and windows of the board; their addresses, bits and checked words by name are in `words.rs`, the windows in `windows.rs`.
 
+mod windows;
 mod words;
 
+pub use windows::*;
 pub use words::*;
 
-use super::{Access, Field, Register, Window};
-use crate::design::memory::ADDRESS_BITS;
-use edof_core::display::LUMA_ENTRIES;
+use super::{Access, Field, Register};
 
 const fn constant(
     name: &'static str,
@@ -353,12 +353,19 @@ pub const REGISTERS: &[Register] = &[
         "pattern",
         PATTERN,
         0,
-        &[Field {
-            name: "kind",
-            low: 0,
-            bits: 3,
-            doc: "0 none, 1 ramp, 2 chart, 3 noise, 4 zeros, 5 ones, 6 alternating, 7 the tile (`tile`).",
-        }],
+        &[
+            Field {
+                name: "kind",
+                low: 0,
+                bits: 3,
+                doc: "0 none, 1 ramp, 2 chart, 3 noise, 4 zeros, 5 ones, 6 alternating, 7 the tile (`tile`).",
+            },
+            bit(
+                "host",
+                3,
+                "The frame that the host wrote (`frame`), whatever `kind` is. Until it is whole, the last frame before it is repeated.",
+            ),
+        ],
         "Raw frames that the board makes in place of the source's frames, which are dropped meanwhile (docs/contract.md, 1.3).",
     ),
     status(
@@ -418,69 +425,17 @@ pub const REGISTERS: &[Register] = &[
         ],
         "The first pixel of the square of codes that `picture` shows.",
     ),
+    status(
+        "frame_blocks",
+        FRAME_BLOCKS,
+        &[
+            Field { name: "accepted", low: 0, bits: 16, doc: "Blocks that were accepted." },
+            bit("busy", 16, "A block is checked or sent: words of `frame` are ignored."),
+        ],
+        "Blocks of the host's frame (`frame`). `pattern.host` 0, a reset, or a memory that stops serving restarts the frame.",
+    ),
+    count("frame_check", FRAME_BLOCKS + 4, "Check of the host's frame up to the last accepted block."),
 ];
-
-/// Counters of the calculator's stages.
-pub const STAGE_COUNTERS: Window = Window {
-    name: "stage_counters",
-    address: 0x100,
-    bytes: 0x100,
-    access: Access::Status,
-    doc: "Word 4·stage + counter. Counters: 0 non-zero words sent, 1 saturated results, 2 saturated codes, 3 saturated differences; of stage \
-          15, which is the whole calculator, 0 windows that were too short, 1 too long. A write to register 0 of stage 15 (`weights`) copies all counters to this window and restarts them.",
-};
-
-/// What the calculator's stages read back.
-pub const STAGE_READS: Window = Window {
-    name: "stage_reads",
-    address: 0x200,
-    bytes: 0x100,
-    access: Access::Status,
-    doc: "Word 4·stage + part; stage 14 is the display's tables. Parts: 0 CRC-32 of the rows that were read, 1 and 2 low and high half of the \
-          last one, 3 whether the stage still reads. A command written to register 3 of the stage (`weights`) starts a read: space (2 bits), \
-          bank (6), first row (12), rows after it (12).",
-};
-
-/// Tables of the display step.
-pub const DISPLAY_TABLES: Window = Window {
-    name: "display_tables",
-    address: 0x10_0000,
-    bytes: 4 * 4 * LUMA_ENTRIES as u32,
-    access: Access::WriteOnly,
-    doc: "Word 32768·table + entry. Tables: 0 luma (8-bit codes), 1 red, 2 green, 3 blue (12-bit encoded light, 16384 entries).",
-};
-
-/// The tile of raw pixels that the pattern repeats.
-pub const TILE_PIXELS: Window = Window {
-    name: "tile",
-    address: 0x1_0000,
-    bytes: 4 * crate::pattern::TILE_PIXELS as u32,
-    access: Access::WriteOnly,
-    doc: "Word 64·row + column: the raw pixel word (16 bits) of the tile that pattern 7 repeats over the frame.",
-};
-
-/// A square of the codes of every picture.
-pub const PICTURE_PIXELS: Window = Window {
-    name: "picture",
-    address: 0x1_4000,
-    bytes: 4 * crate::pattern::TILE_PIXELS as u32,
-    access: Access::Status,
-    doc: "Word 64·row + column: codes of a pixel, Y' low, Cb' or Cr' high, of the last picture that passed, counted from `picture_corner`.",
-};
-
-/// Weights, thresholds and shifts of all stages.
-pub const WEIGHTS: Window = Window {
-    name: "weights",
-    address: 0x0800_0000,
-    bytes: 4 << (ADDRESS_BITS[0] + ADDRESS_BITS[1] + ADDRESS_BITS[2] + ADDRESS_BITS[3] + ADDRESS_BITS[4]),
-    access: Access::WriteOnly,
-    doc: "Word {stage (4 bits), space (2), bank (6), row (12), half (1)}. Spaces: 0 weights, 1 thresholds, 2 thresholds of the stage \
-          before, 3 registers (0 and 1 shifts of each set, 2 control, 3 command to read back; read only: 4 CRC-32 of the stage's output of the last whole frame when the counters were last copied, 5 that frame's number modulo 256).",
-};
-
-/// Every window, by address.
-pub const WINDOWS: &[Window] =
-    &[STAGE_COUNTERS, STAGE_READS, TILE_PIXELS, PICTURE_PIXELS, DISPLAY_TABLES, WEIGHTS];
 
 /// A register by its name.
 #[must_use]

@@ -39,7 +39,7 @@ pub struct Block {
 /// Stands for the calculator's clock of any design.
 const CALCULATOR: Domain = Domain::Calculator(0);
 
-const BLOCKS: [(&str, Domain); 33] = [
+const BLOCKS: [(&str, Domain); 34] = [
     ("video_in", Domain::Pixel),
     ("input_fifo", Domain::Core),
     ("input_status", Domain::Core),
@@ -65,6 +65,7 @@ const BLOCKS: [(&str, Domain); 33] = [
     ("video_out", Domain::Pixel),
     ("screen_status", Domain::Core),
     ("patterns", Domain::Core),
+    ("host_frame", Domain::Core),
     ("window", Domain::Core),
     ("core/check", CALCULATOR),
     ("checks_0", Domain::Core),

@@ -5,6 +5,7 @@ use super::calculator_port::CalculatorPort;
 use super::clock_watch::ClockWatch;
 use super::cycle_count::CycleCount;
 use super::frames::Frames;
+use super::host_frame::HostFrame;
 use super::pattern_source::PatternSource;
 use super::picture_window::PictureWindow;
 use super::power_on::PowerOn;
@@ -117,6 +118,7 @@ pub struct EdofCore<const W: usize, const S: usize> {
     input_fifo: PixelFifo,
     input_status: BusSync<224>,
     patterns: PatternSource,
+    host_frame: HostFrame,
     window: PictureWindow,
     raw_writer: WriteAgent<W, S>,
     raw_reader: ReadAgent<W>,
@@ -191,13 +193,14 @@ impl<const W: usize, const S: usize> EdofCore<W, S> {
             calculator_watch: ClockWatch::new(false),
             input_fifo: PixelFifo::new(crossing),
             patterns: PatternSource::new(design.frame),
+            host_frame: HostFrame::new(design.frame),
             raw_writer: WriteAgent::new(&raw),
-            raw_reader: ReadAgent::new(&raw, false),
+            raw_reader: ReadAgent::new(&raw),
             raw_fifo: PixelFifo::new(crossing),
             core: StreamCore::new(design, sets, tables.luma, tables.colours)?,
             picture_fifo: PixelFifo::new(crossing),
             picture_writer: WriteAgent::new(&picture),
-            picture_reader: ReadAgent::new(&picture, true),
+            picture_reader: ReadAgent::new(&picture),
             output_fifo: PixelFifo::new(crossing),
             video_out: VideoOut::new(timing),
             registers: BoardRegisters::new(design, identity),
@@ -313,7 +316,16 @@ impl<const W: usize, const S: usize> Logic for EdofCore<W, S> {
         self.patterns.reset.next = self.resets[1].domain_reset.val();
         self.patterns.select.next = self.registers.pattern.val().get_bits::<3>(0);
         StreamOut::<16>::join(&mut self.input_fifo.to, &mut self.patterns.source);
-        StreamOut::<16>::join(&mut self.patterns.pixels, &mut self.raw_writer.pixels);
+        StreamOut::<16>::join(&mut self.patterns.pixels, &mut self.host_frame.source);
+        self.host_frame.clock.next = self.clock.val();
+        self.host_frame.reset.next = self.agents_reset.val();
+        self.host_frame.select.next = self.registers.pattern.val().get_bit(3);
+        self.host_frame.write.next = self.registers.frame_write.val();
+        self.host_frame.address.next = self.registers.tile_address.val();
+        self.host_frame.data.next = self.registers.weight_data.val();
+        self.registers.frame_blocks.next = self.host_frame.blocks.val();
+        self.registers.frame_check.next = self.host_frame.check.val();
+        StreamOut::<16>::join(&mut self.host_frame.pixels, &mut self.raw_writer.pixels);
 
         self.flush.next = self.registers.control.val().get_bit(4)
             || self.calculator_lost_q.q.val()
@@ -332,6 +344,8 @@ impl<const W: usize, const S: usize> Logic for EdofCore<W, S> {
         self.picture_fifo.to_reset.next = self.resets[1].domain_reset.val() || self.flush.val();
         self.raw_writer.corrupted.next = false;
         self.raw_writer.reading.next = self.raw_reader.reading.val();
+        // The host writes a frame once, and looks at what becomes of it for as long as it likes.
+        self.raw_reader.repeats.next = self.registers.pattern.val().get_bit(3);
         self.raw_reader.newest.next = self.raw_writer.newest.val();
         self.run.next = self.registers.control.val().get_bit(0);
         // After a flush what is left of the frame is thrown away.
@@ -370,6 +384,7 @@ impl<const W: usize, const S: usize> Logic for EdofCore<W, S> {
         StreamOut::<16>::join(&mut self.picture_fifo.to, &mut self.picture_writer.pixels);
         self.picture_writer.corrupted.next = self.raw_reader.corrupted.val();
         self.picture_writer.reading.next = self.picture_reader.reading.val();
+        self.picture_reader.repeats.next = true;
         self.picture_reader.newest.next = self.picture_writer.newest.val();
         self.output_fifo.from.valid.next = self.picture_reader.pixels.valid.val();
         self.output_fifo.from.data.next = self.picture_reader.pixels.data.val();

@@ -12,6 +12,7 @@
 //! | [`calculator_port`] | the host's words into the calculator's clock, and back |
 //! | [`bank_guard`] | which words belong to a bank that takes none |
 //! | [`pattern_source`] | raw frames that the board makes itself |
+//! | [`host_frame`] | a raw frame that the host writes, block by block |
 //! | [`picture_window`] | a tile of raw pixels that the host writes, and a part of the codes that it reads |
 //! | [`power_on`] | the reset after configuration |
 //! | [`i2c_master`] | one read or write on an I2C bus |
@@ -38,6 +39,7 @@ pub mod cycle_count;
 pub mod edof_core;
 pub mod embedded_syncs;
 pub mod frames;
+pub mod host_frame;
 pub mod i2c_master;
 pub mod kc705_core;
 mod pace;
@@ -62,6 +64,7 @@ pub use cycle_count::CycleCount;
 pub use edof_core::EdofCore;
 pub use embedded_syncs::EmbeddedSyncs;
 pub use frames::Frames;
+pub use host_frame::HostFrame;
 pub use i2c_master::I2cMaster;
 pub use kc705_core::Kc705Core;
 pub use pace::Pace;

@@ -11,7 +11,7 @@ use rust_hdl::prelude::*;
 /// The newest complete frame buffer as a stream of pixels, in bursts of full length, several at a time.
 ///
 /// A frame begins when the last pixel of the one before was taken. Where no newer frame is there by then, the same one is sent again
-/// and counted as late, or, where frames are not repeated, the agent waits. A burst is asked for once there is room for all its
+/// and counted as late, or, without `repeats`, the agent waits. A burst is asked for once there is room for all its
 /// words, so that the memory never waits. A pixel a cycle, as long as the memory keeps up. From a word on that came with an error the frame
 /// is black.
 #[derive(Circuit)]
@@ -23,6 +23,8 @@ pub struct ReadAgent<const W: usize> {
     pub reset: Signal<In, Bit>,
     /// The newest complete buffer.
     pub newest: Signal<In, Buffer>,
+    /// A frame is sent again where no newer one is there.
+    pub repeats: Signal<In, Bit>,
     /// The buffer that is being read.
     pub reading: Signal<Out, Buffer>,
     /// Memory.
@@ -37,7 +39,6 @@ pub struct ReadAgent<const W: usize> {
     pub errors: Signal<Out, Bits<32>>,
     /// Such a word came in the cycle before.
     pub corrupted: Signal<Out, Bit>,
-    repeats: Constant<Bit>,
     last_column: Constant<Bits<12>>,
     last_row: Constant<Bits<12>>,
     before_last_lane: Constant<Bits<6>>,
@@ -120,18 +121,17 @@ pub struct ReadAgent<const W: usize> {
 }
 
 impl<const W: usize> ReadAgent<W> {
-    /// An agent for these frames. With `repeats`, a frame that is late is sent again.
+    /// An agent for these frames.
     ///
     /// # Panics
     /// For frames that no agent supports; the check of a design excludes them (`edof_device::board`).
     #[must_use]
-    pub fn new(frames: &Frames, repeats: bool) -> Self {
+    pub fn new(frames: &Frames) -> Self {
         frames.check(W);
         let row = |value: usize| Constant::new((value as u64).into());
         let base = frames.buffers.map(|address| Constant::new(u64::from(address).into()));
         let words = frames.width * frames.height / (W / 16);
         Self::from_parts(ReadAgentParts {
-            repeats: Constant::new(repeats),
             last_column: Constant::new((frames.width as u64 - 1).into()),
             last_row: Constant::new((frames.height as u64 - 1).into()),
             before_last_lane: Constant::new((W as u64 / 16 - 2).into()),

@@ -6,7 +6,8 @@ use crate::ports::AxiLiteSlave;
 use edof_device::design::Design;
 use edof_device::registers::identity::{design_hash, weights_hash};
 use edof_device::registers::map::{
-    DISPLAY_TABLES, PICTURE_PIXELS, REGISTERS, STAGE_COUNTERS, STAGE_READS, TILE_PIXELS, WEIGHT_SET, WEIGHTS,
+    DISPLAY_TABLES, FRAME, PICTURE_PIXELS, REGISTERS, STAGE_COUNTERS, STAGE_READS, TILE_PIXELS, WEIGHT_SET,
+    WEIGHTS,
 };
 use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
@@ -138,6 +139,12 @@ pub struct BoardRegisters {
     pub tile_address: Signal<Out, Bits<12>>,
     /// Pixel of codes that is read, two cycles after its address.
     pub window_pixel: Signal<In, Bits<16>>,
+    /// Writes a word of the host's frame: its place is in `tile_address`, the word in `weight_data`.
+    pub frame_write: Signal<Out, Bit>,
+    /// Blocks of the host's frame.
+    pub frame_blocks: Signal<In, Bits<32>>,
+    /// Its check.
+    pub frame_check: Signal<In, Bits<32>>,
     /// What the board makes in place of raw frames.
     pub pattern: Signal<Out, Bits<32>>,
     /// What set-ups of the video chips use.
@@ -181,8 +188,8 @@ pub struct BoardRegisters {
     indices: Vec<Constant<Bits<6>>>,
     masks: Vec<Constant<Bits<32>>>,
     start: Vec<Constant<Bits<32>>>,
-    window_bases: [Constant<Bits<32>>; 6],
-    window_masks: [Constant<Bits<32>>; 6],
+    window_bases: [Constant<Bits<32>>; 7],
+    window_masks: [Constant<Bits<32>>; 7],
     phase: DFF<Phase>,
     address: DFF<Bits<32>>,
     word: DFF<Bits<32>>,
@@ -193,6 +200,7 @@ pub struct BoardRegisters {
     at_tables: DFF<Bit>,
     at_weights: DFF<Bit>,
     at_tile: DFF<Bit>,
+    at_frame: DFF<Bit>,
     is_picture: DFF<Bit>,
     is_waiting: DFF<Bit>,
     guard: BankGuard,
@@ -215,7 +223,7 @@ pub struct BoardRegisters {
     is_protected: Signal<Local, Bit>,
     bank_only: Constant<Bits<32>>,
     in_area: Signal<Local, Bit>,
-    in_window: [Signal<Local, Bit>; 6],
+    in_window: [Signal<Local, Bit>; 7],
     stage_word: Signal<Local, Bits<7>>,
     grant_write: Signal<Local, Bit>,
     grant_read: Signal<Local, Bit>,
@@ -256,7 +264,8 @@ impl BoardRegisters {
             "weights_hash" => identity.weights_hash,
             _ => reset,
         };
-        let windows = [STAGE_COUNTERS, DISPLAY_TABLES, WEIGHTS, STAGE_READS, TILE_PIXELS, PICTURE_PIXELS];
+        let windows =
+            [STAGE_COUNTERS, DISPLAY_TABLES, WEIGHTS, STAGE_READS, TILE_PIXELS, PICTURE_PIXELS, FRAME];
         Self::from_parts(BoardRegistersParts {
             indices: REGISTERS
                 .iter()
@@ -303,7 +312,7 @@ impl Logic for BoardRegisters {
             self.is_bad.d.next = self.bus.ar_addr.val().get_bits::<2>(0).any();
         }
         self.in_area.next = !self.address.q.val().get_bits::<24>(8).any();
-        for i in 0..6 {
+        for i in 0..7 {
             self.in_window[i].next =
                 (self.address.q.val() & self.window_masks[i].val()) == self.window_bases[i].val();
         }
@@ -364,6 +373,8 @@ impl Logic for BoardRegisters {
         self.values[51].next = self.input_cycles.val();
         self.values[52].next = self.screen_cycles.val();
         self.values[53].next = self.controls[7].q.val();
+        self.values[54].next = self.frame_blocks.val();
+        self.values[55].next = self.frame_check.val();
         self.is_mapped.next = false;
         for i in 0..14 {
             if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
@@ -428,6 +439,7 @@ impl Logic for BoardRegisters {
             self.in_area.val() && (self.address.q.val().get_bits::<6>(2) == self.indices[53].val());
         self.control_words[7].next = self.word.q.val() & self.masks[53].val();
         self.at_tile.d.next = self.in_window[4].val();
+        self.at_frame.d.next = self.in_window[6].val();
         self.at_tables.d.next = self.in_window[1].val();
         self.at_weights.d.next = self.in_window[2].val();
         self.is_control_locked.next = self.controls[3].q.val().get_bit(0)
@@ -442,6 +454,7 @@ impl Logic for BoardRegisters {
         self.table_valid.next = false;
         self.weight_valid.next = false;
         self.tile_write.next = false;
+        self.frame_write.next = false;
         self.stage_valid.next = false;
         match self.phase.q.val() {
             Phase::Idle => {
@@ -477,6 +490,9 @@ impl Logic for BoardRegisters {
                     }
                 } else if self.at_tile.q.val() {
                     self.tile_write.next = true;
+                    self.phase.d.next = Phase::WriteAnswer;
+                } else if self.at_frame.q.val() {
+                    self.frame_write.next = true;
                     self.phase.d.next = Phase::WriteAnswer;
                 } else {
                     self.phase.d.next = Phase::WriteAnswer;

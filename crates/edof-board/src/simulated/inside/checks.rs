@@ -1,11 +1,11 @@
 //! The CRCs that a simulated board makes of its frames.
 
-use super::{Inside, Key};
+use super::{Inside, Key, Source};
 use edof_core::cable::carried;
-use edof_core::{DisplayMode, RawFrame};
+use edof_core::{CfaPhase, DisplayMode, RawFrame};
 use edof_device::crc::of_words;
 use edof_device::design::FrameSize;
-use edof_device::pattern::{Pattern, TILE, TILE_SIDE};
+use edof_device::pattern::{Pattern, TILE_SIDE};
 use edof_device::registers::map;
 use edof_device::video::VideoTiming;
 use edof_golden::video::pattern;
@@ -54,14 +54,21 @@ impl Checks {
 impl Inside {
     /// The network and the raw frame behind a picture, with their faults.
     pub(in crate::simulated) fn computed(&self, network: FixedNetwork, key: Key) -> (FixedNetwork, RawFrame) {
-        if key.4 & TILE == TILE {
-            let tile = Array2::from_shape_fn((TILE_SIDE, TILE_SIDE), |(r, c)| self.tile[TILE_SIDE * r + c]);
-            if let Ok(raw) = pattern::tiled(&tile, self.design.frame) {
-                return (self.faults.spoil_network(network), self.faults.spoil_raw(raw));
+        let frame = self.design.frame;
+        let made = match key.4 {
+            Source::Camera => None,
+            Source::Pattern(code) => {
+                let of_code = Pattern::ALL.into_iter().find(|pattern| pattern.code() == code);
+                of_code.and_then(|pattern| pattern::frame(pattern, frame).ok())
             }
-        }
-        let of_code = Pattern::ALL.into_iter().find(|pattern| pattern.code() == key.4);
-        let made = of_code.and_then(|pattern| pattern::frame(pattern, self.design.frame).ok());
+            Source::Tile(_) => {
+                let word = |(r, c)| self.tile[TILE_SIDE * r + c];
+                pattern::tiled(&Array2::from_shape_fn((TILE_SIDE, TILE_SIDE), word), frame).ok()
+            }
+            Source::Host(_) => Array2::from_shape_vec((frame.height, frame.width), self.host_frame.clone())
+                .ok()
+                .and_then(|words| RawFrame::from_values(words, 16, CfaPhase::Rggb).ok()),
+        };
         let raw = made.unwrap_or_else(|| carried(&self.raw));
         (self.faults.spoil_network(network), self.faults.spoil_raw(raw))
     }

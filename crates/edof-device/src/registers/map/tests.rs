@@ -1,4 +1,5 @@
 use super::*;
+use crate::design::memory::ADDRESS_BITS;
 use std::collections::BTreeSet;
 
 #[test]

@@ -7,7 +7,7 @@ use edof_core::display::DisplayMode;
 /// `EDOF` in ASCII: what `id` reads.
 pub const ID: u32 = u32::from_be_bytes(*b"EDOF");
 /// Version of this map: major in the upper half, minor in the lower. A client of the same major version understands the board.
-pub const VERSION: u32 = 0x0002_0003;
+pub const VERSION: u32 = 0x0002_0004;
 
 /// Address of `weights_hash`.
 pub const WEIGHTS_HASH: u32 = 0x10;
@@ -35,6 +35,10 @@ pub const PATTERN: u32 = 0xb0;
 pub const CHECK_RAW: u32 = 0xb4;
 /// Address of `core_cycles`; `input_cycles` and `screen_cycles` are the next words.
 pub const CORE_CYCLES: u32 = 0xc8;
+/// Address of `frame_blocks`; `frame_check` is the next word.
+pub const FRAME_BLOCKS: u32 = 0xd8;
+/// Bit of `frame_blocks`: a block is on its way.
+pub const FRAME_BUSY: u32 = 1 << 16;
 /// Address of `picture_corner`.
 pub const PICTURE_CORNER: u32 = 0xd4;
 /// `video_setup` after reset: RGB to the screen, the receiver's output clock as `input_timing` has it.
