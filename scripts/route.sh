@@ -12,7 +12,8 @@ source scripts/prepare.sh
 need_simulators
 need_router
 
-cargo run -q --locked -p edof-hdl --example chain -- "$design" "$weights" "$folder"
+cargo build -q --workspace --locked --example chain
+"${CARGO_TARGET_DIR:-target}/debug/examples/chain" "$design" "$weights" "$folder"
 cp project/ecp5/* "$folder"
 cd "$folder"
 begin=$SECONDS
