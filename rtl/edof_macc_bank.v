@@ -61,7 +61,8 @@ module edof_macc_bank #(
 `ifdef EDOF_IMAGES_BY_NAME
     localparam IMAGES = INIT;
 `else
-    localparam IMAGES = {`EDOF_DIR, "mem/", INIT};
+    // Yosys 0.70 stops at a concatenation with an empty text.
+    localparam IMAGES = {`EDOF_DIR, "mem/", (INIT == "") ? "-" : INIT};
 `endif
     localparam [7:0] TENS = 8'd48 + BANK / 10;
     localparam [7:0] ONES = 8'd48 + BANK % 10;

@@ -17,7 +17,8 @@ module edof_start #(
 `ifdef EDOF_IMAGES_BY_NAME
     localparam IMAGE = INIT;
 `else
-    localparam IMAGE = {`EDOF_DIR, "mem/", INIT};
+    // Yosys 0.70 stops at a concatenation with an empty text.
+    localparam IMAGE = {`EDOF_DIR, "mem/", (INIT == "") ? "-" : INIT};
 `endif
 
     (* rom_style = "distributed" *) reg [WIDTH-1:0] words [0:1];

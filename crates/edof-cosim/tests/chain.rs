@@ -55,6 +55,7 @@ fn design(form: Form, code_bits: u32, stages: &[(usize, usize)]) -> Design {
         skip_zeros: true,
         stages: stages.iter().map(|(lanes, rows)| StageSize { lanes: *lanes, rows: *rows }).collect(),
         frame: FrameSize { width: 64, height: 48, stride: Stride::PATCH },
+        sets: 2,
         board: <_>::default(),
     }
 }
@@ -216,6 +217,14 @@ fn the_forms_cover_every_choice() {
 #[test]
 fn tiny_agrees_in_every_word_and_cycle() {
     agrees_in_every_word_and_cycle(committed("tiny"));
+}
+
+#[test]
+fn one_set_of_weights_agrees_in_every_word_and_cycle() {
+    let design = Design::from_json(include_str!("../../../tests/route/small.json")).unwrap();
+    let setup = Setup::new(design, 1);
+    let drive = Drive { stalls: Some(Stalls::drawn(1, 40)), ..Drive::default() };
+    expect_clean(&setup.run(&drive, patches(&setup.design, 200, 1), 1));
 }
 
 #[test]

@@ -18,6 +18,7 @@ mod crossing;
 mod crossing_resets;
 mod debounce;
 mod differential;
+mod ecp5;
 mod edid;
 mod edof_core;
 mod embedded_syncs;

@@ -66,6 +66,7 @@ fn designs() -> impl Strategy<Value = Design> {
                 code_bits: bits,
                 accumulator_bits: 48,
                 skip_zeros,
+                sets: 2,
                 frame: FrameSize { width: 64, height: 48, stride: Stride::PATCH },
                 board: <_>::default(),
             };

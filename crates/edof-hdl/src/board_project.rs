@@ -41,7 +41,7 @@ pub fn project(
         let tried = project::of_circuit(&mut *small_core, vec![])?;
         let mut top = (circuits.top)(design, sets, identity, tables)?;
         let images = project::images(design, sets).into_iter().chain(tables.images(design)).collect();
-        let core = project::of_circuit(&mut *top, images)?;
+        let core = project::of_circuit(&mut *top, images)?.on_part(&design.board.part);
         let benches = benches::files(&core, &calculator, &tried, recorded);
         let mut files = made_files(design, &core)?;
         files.extend(shell.files.concat().iter().map(|(path, text)| {

@@ -4,6 +4,7 @@ use crate::blocks::chain::Chain;
 use crate::describe::Circuit;
 use crate::leaves;
 use crate::verilog::{Crossing, EmitError, Port, SourceMap, emit};
+use edof_device::board::Part;
 use edof_device::design::memory::{self, Shifts};
 use edof_device::design::{Design, DesignError};
 use edof_network::{FixedNetwork, fixed_network::FixedNetworkError};
@@ -39,6 +40,20 @@ pub enum ProjectError {
     /// A circuit that has no exact Verilog.
     #[error(transparent)]
     Emit(#[from] EmitError),
+}
+
+impl Project {
+    /// Returns the project with the leaves that a part has in its own cells in place of the portable ones.
+    #[must_use]
+    pub fn on_part(mut self, part: &Part) -> Self {
+        for (name, text) in &mut self.verilog {
+            let own = part.leaves.iter().find(|(leaf, _)| name.strip_suffix(".v") == Some(leaf));
+            if let Some((_, own)) = own {
+                *text = (*own).into();
+            }
+        }
+        self
+    }
 }
 
 /// The calculator chain of a design; its two sets start with these networks.
@@ -95,14 +110,15 @@ pub fn of_circuit(circuit: &mut dyn Circuit, memory: Vec<(String, String)>) -> R
     Ok(Project { top, ports, verilog, sources, memory, crossings })
 }
 
-/// The memory images of all stages: set 0, then set 1.
+/// The memory images of all stages: set 0, then set 1, if the design has it.
 #[must_use]
 pub fn images(design: &Design, sets: [&FixedNetwork; 2]) -> Vec<(String, String)> {
     let mut images = Vec::new();
     for stage in design.stages() {
         for bank in 0..stage.banks() {
             for part in 0..stage.row_words() {
-                let words = sets.iter().flat_map(|network| memory::weight_words(network, &stage, bank, part));
+                let sets = sets.iter().take(stage.sets);
+                let words = sets.flat_map(|network| memory::weight_words(network, &stage, bank, part));
                 images.push((memory::weight_image(&stage, bank, part), hexadecimal(words, 16)));
             }
         }

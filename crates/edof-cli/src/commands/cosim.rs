@@ -193,7 +193,7 @@ fn drive(args: &Args) -> Result<Drive, Error> {
     Ok(Drive { skip_zeros: args.skip.as_ref().map(|s| s == "on"), stalls: Some(stalls), ..Drive::default() })
 }
 
-/// The patches to run; random ones use both sets of weights.
+/// The patches to run; random ones use all sets of weights.
 fn patches(args: &Args, design: &Design, network: &FixedNetwork, ui: &Ui) -> Result<Vec<Patch>, Error> {
     let draw = &mut Draw::new(args.seed);
     if let Some(count) = args.random {
@@ -201,13 +201,13 @@ fn patches(args: &Args, design: &Design, network: &FixedNetwork, ui: &Ui) -> Res
         said::memory(&format!("--random {count}"), count as f64 * bytes as f64)?;
         let pixels = design.form.window.pixels();
         let patch = |_| Patch {
-            set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },
+            set: design.sets()[draw.whole(0, design.sets as i64 - 1) as usize],
             window: edof_device::random::extreme_window(draw, pixels),
         };
         return Ok((0..count).map(patch).collect());
     }
     if !args.cases.is_empty() {
-        return hard(args, network);
+        return hard(args, design, network);
     }
     let shot = args.shot();
     let raw = shot.frame(network, ui)?;
@@ -215,16 +215,16 @@ fn patches(args: &Args, design: &Design, network: &FixedNetwork, ui: &Ui) -> Res
     Ok(windows.map(|window| Patch { window, set: Set::First }).collect())
 }
 
-/// Windows of hard cases, through both sets of weights by turns.
-fn hard(args: &Args, network: &FixedNetwork) -> Result<Vec<Patch>, Error> {
+/// Windows of hard cases, through all sets of weights by turns.
+fn hard(args: &Args, design: &Design, network: &FixedNetwork) -> Result<Vec<Patch>, Error> {
     let named = |case: &Case| args.cases.iter().any(|word| word == "all" || case.id.contains(word));
     let mut patches = vec![];
     for case in case::own()?.into_iter().filter(named) {
         interrupt::check()?;
         let windows = inputs::windows(&case, network, args.patches)
             .map_err(|why| Error::message(format!("--cases {}: {why}", case.id)))?;
-        let set = |i: usize| if i.is_multiple_of(2) { Set::First } else { Set::Second };
-        patches.extend(windows.into_iter().enumerate().map(|(i, window)| Patch { set: set(i), window }));
+        let sets = design.sets().iter().cycle().copied();
+        patches.extend(windows.into_iter().zip(sets).map(|(window, set)| Patch { set, window }));
     }
     if patches.is_empty() {
         let words = args.cases.join(",");
@@ -245,17 +245,19 @@ struct Run {
 }
 
 impl Run {
-    /// Two random networks, written to both sets after whatever ran before, and windows through each by turns. Nothing is skipped, so that
+    /// Random networks, written to all sets after whatever ran before, and windows through each by turns. Nothing is skipped, so that
     /// every word of the memories is multiplied.
     fn loaded(design: &Design, seed: u64) -> Self {
         let networks = [1, 2].map(|more| edof_device::random::for_design(design, seed.wrapping_add(more)));
-        let sets = [Set::First, Set::Second];
-        let words = |(set, network): (Set, &FixedNetwork)| memory::writes(design, network, set);
-        let writes = sets.into_iter().zip(&networks).flat_map(words).collect();
+        let sets = design.sets();
+        let words = |(set, network): (&Set, &FixedNetwork)| memory::writes(design, network, *set);
+        let writes = sets.iter().zip(&networks).flat_map(words).collect();
         let draw = &mut Draw::new(seed);
         let pixels = design.form.window.pixels();
-        let patch =
-            |i: usize| Patch { set: sets[i % 2], window: edof_device::random::extreme_window(draw, pixels) };
+        let patch = |i: usize| Patch {
+            set: sets[i % sets.len()],
+            window: edof_device::random::extreme_window(draw, pixels),
+        };
         let patches = (0..WINDOWS_OF_A_LOAD).map(patch).collect();
         let drive = Drive { flush: true, skip_zeros: Some(false), writes, ..Drive::default() };
         Self { networks, patches, drive }

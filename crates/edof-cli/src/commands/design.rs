@@ -160,6 +160,7 @@ impl New {
             skip_zeros: true,
             stages: (0..=last).map(|stage| StageSize { lanes: lanes(stage), rows: 1 }).collect(),
             frame: FrameSize { width: self.size.width, height: self.size.height, stride },
+            sets: 2,
             board: Board::named(&self.board).unwrap_or_default(),
         };
         design.check().map_err(|e| self.of_options(&e))?;

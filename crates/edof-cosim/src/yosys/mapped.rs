@@ -43,7 +43,7 @@ pub fn mapped(source: &Source, options: &Options) -> Result<Source, Error> {
 }
 
 /// A netlist whose registers and memories begin with 0 where nothing states what they hold: `.INIT_3A(256'hxx…01)`.
-fn with_known_contents(text: &str) -> String {
+pub(super) fn with_known_contents(text: &str) -> String {
     let known = |line: &str| match line.split_once('\'') {
         Some((name, value)) if name.trim_start().starts_with(".INIT") => {
             format!("{name}'{}\n", value.replace('x', "0"))
@@ -55,25 +55,25 @@ fn with_known_contents(text: &str) -> String {
 
 /// Yosys' models without what is about time alone, and without those of [`BLOCK_RAM`] and [`CARRY`].
 fn cells() -> Result<String, Error> {
-    let path = models()?;
+    let path = models("xilinx")?;
     let text = std::fs::read_to_string(&path).map_err(at(&path))?;
     let timeless = without(&text, "specify", "endspecify");
     let models = ["module RAMB18E1 ", "module RAMB36E1 ", "module CARRY4("];
     Ok(models.iter().fold(timeless, |text, start| without(&text, start, "endmodule")))
 }
 
-/// `xilinx/cells_sim.v` of the Yosys that is on the path.
-fn models() -> Result<PathBuf, Error> {
+/// A family's `cells_sim.v` of the Yosys that is on the path.
+pub(super) fn models(family: &str) -> Result<PathBuf, Error> {
     let folders = std::env::var_os("PATH").unwrap_or_default();
     let program =
         std::env::split_paths(&folders).map(|folder| folder.join("yosys")).find(|path| path.is_file());
     let program = program.ok_or_else(|| Error::ToolMissing { tool: "yosys".into() })?;
     let folder = program.parent().and_then(Path::parent).unwrap_or(Path::new("/"));
-    Ok(folder.join("share/yosys/xilinx/cells_sim.v"))
+    Ok(folder.join("share/yosys").join(family).join("cells_sim.v"))
 }
 
 /// The text without the lines from each one that begins so to the next one that ends it.
-fn without(text: &str, start: &str, end: &str) -> String {
+pub(super) fn without(text: &str, start: &str, end: &str) -> String {
     let (mut kept, mut is_inside) = (String::new(), false);
     for line in text.lines() {
         let word = line.trim_start();

@@ -1,5 +1,6 @@
 //! What a design becomes on a 7-series FPGA, according to Yosys.
 
+pub mod ecp5;
 pub mod fan_out;
 mod mapped;
 mod netlist;

@@ -94,7 +94,7 @@ pub fn patches(design: &Design, count: usize, seed: u64) -> Vec<Patch> {
     let draw = &mut Draw::new(seed);
     let window = design.form.window;
     let patch = |_| Patch {
-        set: if draw.whole(0, 1) == 0 { Set::First } else { Set::Second },
+        set: design.sets()[draw.whole(0, design.sets as i64 - 1) as usize],
         window: match draw.whole(0, 9) {
             0 => vec![InputWord::ZERO; window.pixels()],
             1..=4 => edof_device::random::extreme_window(draw, window.pixels()),

@@ -19,6 +19,7 @@ pub const KC705: Board = Board {
     clocks: ClockMaker { source_khz: 200_000, pll: MMCM },
     // A burst of another agent before it, both ways, a refresh, and as much again.
     memory: Memory::of_port(512, 512),
+    sets: &[2],
     baud: 921_600,
     video_in: Some(VideoIn {
         setup: Setup { image: "mem/i2c_imageon.mem", program: receiver::program },
@@ -58,6 +59,7 @@ const XC7K325T: Part = Part {
     logic: ["LUT", "FF"],
     logic_percent: [100, 100],
     cells: Resources { multipliers: 840, memories: 445, half_memories: 0, luts: 203_800, registers: 407_600 },
+    leaves: &[],
     columns: Some(Columns { multipliers: (6, 140), memories: 7 }),
 };
 

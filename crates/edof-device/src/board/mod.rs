@@ -47,6 +47,8 @@ pub struct Board {
     pub clocks: ClockMaker,
     /// Memory for frames.
     pub memory: Memory,
+    /// Numbers of sets of weights that a design may have: two where a host loads one while the other is used.
+    pub sets: &'static [usize],
     /// Bits per second on the serial line to the host.
     pub baud: u32,
     /// Where raw frames come in.

@@ -84,6 +84,8 @@ pub struct Part {
     pub logic_percent: [usize; 2],
     /// Cells that it has.
     pub cells: Resources,
+    /// Modules of `rtl/` that are written with the part's own cells, and their text: the same words in the same cycles as the portable ones.
+    pub leaves: &'static [(&'static str, &'static str)],
     /// Where multipliers and block memories are, if a floorplan can be written.
     pub columns: Option<Columns>,
 }

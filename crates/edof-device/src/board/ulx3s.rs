@@ -1,5 +1,5 @@
-//! The ULX3S: Lattice LFE5U-85F-6 and 32 MB of SDRAM ×16, for open tools. As yet a part to estimate designs for: it has neither video nor
-//! sources.
+//! The ULX3S: Lattice LFE5U-85F-6 and 32 MB of SDRAM ×16, for open tools. As yet a part to estimate designs for, and to place and route their
+//! calculator (`scripts/route.sh`): the board has neither video nor sources.
 //!
 //! Sources: FPGA-DS-02012 (cells, limits of the PLL), FPGA-TN-02200 (its dividers; feedback from the output), ULX3S manual (25 MHz, FT231X).
 
@@ -16,6 +16,7 @@ pub const ULX3S: Board = Board {
     clocks: ClockMaker { source_khz: 25_000, pll: EHXPLLL },
     // Planned: bursts of 512 bytes take 256 cycles at 16 bits; four of them, refreshes, and as much again.
     memory: Memory { burst_words: 32, ..Memory::of_port(128, 2_100) },
+    sets: &[1, 2],
     baud: 921_600,
     video_in: None,
     video_out: None,
@@ -31,8 +32,15 @@ const LFE5U_85F: Part = Part {
     // Accumulators are outside of the multipliers, and LUTs have four inputs: within 5 % of the whole chains that Yosys 0.70 mapped.
     logic_percent: [218, 144],
     cells: Resources { multipliers: 156, memories: 208, half_memories: 0, luts: 83_640, registers: 83_640 },
+    leaves: &LEAVES,
     columns: None,
 };
+
+/// Multipliers with their own registers; what the portable ones become here has them outside.
+const LEAVES: [(&str, &str); 2] = [
+    ("edof_macc", include_str!("../../../../rtl/ecp5/edof_macc.v")),
+    ("edof_scale", include_str!("../../../../rtl/ecp5/edof_scale.v")),
+];
 
 /// EHXPLLL, its feedback from the output that makes the clock.
 const EHXPLLL: Pll = Pll {

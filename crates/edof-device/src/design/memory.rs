@@ -64,7 +64,7 @@ pub const SNAPSHOT_REGISTERS: usize = WHOLE_CHAIN << 2 | 3;
 /// Bits of [`address`]: stage, space, bank, row, half.
 pub const ADDRESS_BITS: [u32; 5] = [4, 2, 6, 12, 1];
 
-/// Most words of a bank, both sets: [`ADDRESS_BITS`] and a command to read ([`super::reading::read_command`]) number them in 12 bits.
+/// Most words of a bank, all sets: [`ADDRESS_BITS`] and a command to read ([`super::reading::read_command`]) number them in 12 bits.
 pub const MAX_BANK_WORDS: usize = 1 << ADDRESS_BITS[3];
 
 /// The write address of a word of stage `stage`.
@@ -82,7 +82,7 @@ pub const fn address(stage: usize, space: Space) -> u32 {
 /// Rows of a set in each space of a stage: those of set 0 come first, then those of set 1.
 #[must_use]
 pub fn rows_of_a_set(stage: &StagePlan) -> [usize; 4] {
-    [stage.bank_words() / 2, stage.beats_out(), stage.beats_out(), 1]
+    [stage.bank_words() / stage.sets, stage.beats_out(), stage.beats_out(), 1]
 }
 
 /// The set that a word belongs to, by the address at which the host writes it; none where it belongs to no set or lies in no stage.
@@ -170,7 +170,7 @@ pub fn threshold_words(network: &FixedNetwork, stage: &StagePlan, before: bool) 
     theta.as_slice().map_or_else(Vec::new, |theta| theta.chunks(BEAT).map(word).collect())
 }
 
-/// All words of a set and the addresses at which the host writes them: weights, thresholds, shifts, stage by stage.
+/// All words of one of the design's sets and the addresses at which the host writes them: weights, thresholds, shifts, stage by stage.
 #[must_use]
 pub fn writes(design: &Design, network: &FixedNetwork, set: Set) -> Vec<(u32, u32)> {
     let second = set as usize;
@@ -276,6 +276,26 @@ mod tests {
                 assert_eq!(set_of(&design, address(0, last)), Some(Set::Second));
             }
         }
+    }
+
+    #[test]
+    fn one_set_has_half_the_words_on_boards_that_take_one() {
+        let mut design = dense(12, 192, 16, 3);
+        assert!(design.check().is_err());
+        design.board = &crate::board::ULX3S;
+        design.sets = 1;
+        design.check().unwrap();
+        let stage = design.stage(0);
+        assert_eq!((stage.bank_words(), stage.weight_depth(), design.sets()), (2304, 576, &[Set::First][..]));
+        let last = Space::Weights { bank: 3, row: 2303, half: 1 };
+        assert_eq!(set_of(&design, address(0, last)), Some(Set::First));
+        let text = serde_json::to_string(&design).unwrap();
+        assert_eq!(Design::from_json(&text).unwrap(), design);
+        let of = |board: &str| text.replace("\"ulx3s\"", &format!("\"{board}\""));
+        let error = Design::from_json(&of("kc705")).unwrap_err().to_string();
+        assert_eq!(error, "design: sets 1: must be 2 on board kc705");
+        let none = text.replace("\"sets\":1", "\"sets\":0");
+        assert!(Design::from_json(&none).unwrap_err().to_string().contains("must be 1 or 2 on board ulx3s"));
     }
 
     #[test]

@@ -15,6 +15,7 @@ pub mod stage;
 pub mod timing;
 
 pub use frame::FrameSize;
+pub use memory::Set;
 pub use stage::{Kind, StagePlan};
 
 use crate::board::Board;
@@ -73,9 +74,22 @@ pub struct Design {
     pub stages: Vec<StageSize>,
     /// The picture it is made for.
     pub frame: FrameSize,
+    /// Sets of weights: two, one of which is loaded while the other is used, or one, which is loaded while the calculator stands; without the
+    /// field two.
+    #[serde(default = "two", skip_serializing_if = "is_two")]
+    pub sets: usize,
     /// The board it is for, by name in files; without the field the KC705.
     #[serde(default, skip_serializing_if = "is_default")]
     pub board: &'static Board,
+}
+
+const fn two() -> usize {
+    2
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+const fn is_two(sets: &usize) -> bool {
+    *sets == 2
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
@@ -155,6 +169,12 @@ impl Design {
         (0..self.stages.len()).map(|index| StagePlan::new(self, index))
     }
 
+    /// The sets of weights that the calculator has.
+    #[must_use]
+    pub fn sets(&self) -> &'static [Set] {
+        if self.sets == 1 { &[Set::First] } else { &[Set::First, Set::Second] }
+    }
+
     /// One stage.
     #[must_use]
     pub fn stage(&self, index: usize) -> StagePlan {
@@ -185,6 +205,17 @@ impl Design {
             self.form.codes,
             self.form.codes.is_multiple_of(BANK_LANES) && self.form.codes <= MAX_CODES,
             &format!("a multiple of {BANK_LANES} and at most {MAX_CODES}"),
+        )?;
+        let sets = self.board.sets;
+        require(
+            "sets",
+            self.sets,
+            sets.contains(&self.sets),
+            &format!(
+                "{} on board {}",
+                sets.iter().map(usize::to_string).collect::<Vec<_>>().join(" or "),
+                self.board.name
+            ),
         )?;
         require("code_bits", self.code_bits, (8..=16).contains(&self.code_bits), "8 to 16")?;
         let sums = 32..=ACCUMULATOR_BITS;

@@ -40,6 +40,8 @@ pub struct StagePlan {
     pub sends_difference: bool,
     /// Windows that F keeps for its linear path.
     pub kept_windows: usize,
+    /// Sets of weights.
+    pub sets: usize,
 }
 
 /// Rows of a dense stage, at most.
@@ -81,6 +83,7 @@ impl StagePlan {
             feeds_m,
             sends_difference: form.recurrence == Recurrence::Difference && kind == Kind::M && feeds_m,
             kept_windows: if linear > 0 { kept_windows(form.layers, linear) } else { 0 },
+            sets: design.sets,
         }
     }
 
@@ -150,13 +153,13 @@ impl StagePlan {
         self.passes() * self.pass_rows()
     }
 
-    /// Depth of each block of weight memory: two sets.
+    /// Depth of each block of weight memory: all sets.
     #[must_use]
     pub fn weight_depth(&self) -> usize {
-        2 * self.weight_rows()
+        self.sets * self.weight_rows()
     }
 
-    /// Numbers that the words of one block of weight memory take in the host's addresses: two sets. Where a row has three words, a
+    /// Numbers that the words of one block of weight memory take in the host's addresses: all sets. Where a row has three words, a
     /// fourth number has none.
     #[must_use]
     pub fn bank_words(&self) -> usize {
@@ -216,12 +219,13 @@ impl StagePlan {
             require(&field("rows"), self.rows, self.rows == 1 || self.rows == 2, "1 or 2")?;
         }
         let words = self.bank_words();
+        let sets = if self.sets == 1 { "one set" } else { "two sets" };
         require(
             &field("lanes"),
             lanes,
             words <= MAX_BANK_WORDS,
             &format!(
-                "more: four lanes have two sets of weights in {words} words with {} rows, and addresses for {MAX_BANK_WORDS}",
+                "more: four lanes have {sets} of weights in {words} words with {} rows, and addresses for {MAX_BANK_WORDS}",
                 self.rows
             ),
         )

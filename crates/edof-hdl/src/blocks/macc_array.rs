@@ -109,9 +109,10 @@ struct State {
 }
 
 impl MaccArray {
-    /// The multipliers of a stage; the model holds the weights of both sets.
+    /// The multipliers of a stage; the model holds the weights of the sets that the design has.
     #[must_use]
     pub fn new(stage: &StagePlan, sum_bits: u32, sets: [&FixedNetwork; 2]) -> Self {
+        let sets = &sets[..stage.sets];
         let words = |bank, part| sets.iter().flat_map(move |n| memory::weight_words(n, stage, bank, part));
         let parts = stage.row_words();
         let memories = (0..stage.banks()).flat_map(|bank| (0..parts).map(move |part| (bank, part)));
