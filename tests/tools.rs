@@ -76,7 +76,7 @@ fn a_frame_is_the_same_on_every_device_that_the_doctor_knows() {
 }
 
 #[test]
-fn the_doctor_tells_tools_networks_and_each_cache_by_what_it_holds() {
+fn the_doctor_tells_tools_designs_networks_and_each_cache_by_what_it_holds() {
     let place = Place::new();
     std::fs::create_dir_all(place.path("cache/edof/timing")).unwrap();
     place.write("cache/edof/timing/one.json", [b' '; 200_000]);
@@ -91,6 +91,7 @@ fn the_doctor_tells_tools_networks_and_each_cache_by_what_it_holds() {
     assert!(text.contains("timing of blocks: 1 files, 0.2 MB in "), "{text}");
     let found: Value = serde_json::from_slice(&std::fs::read(place.path("doctor.json")).unwrap()).unwrap();
     assert_eq!(found["caches"][1]["bytes"], 200_000);
+    assert!(found["designs"].as_array().unwrap().contains(&"kc705-slow".into()));
     let missing = place.command("doctor").env("PATH", "/nowhere").output().unwrap();
     let text = String::from_utf8(missing.stdout).unwrap();
     assert!(missing.status.success() && text.contains("verilator  missing; needed by edof cosim"), "{text}");

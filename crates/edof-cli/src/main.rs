@@ -91,7 +91,7 @@ struct Cli {
 const EXAMPLES: &str = "\
 Examples:
   edof demo                                          runs the whole chain; see out/report.html
-  edof doctor                                        lists tools, networks and photographs
+  edof doctor                                        lists tools, designs, networks, photographs
 
  A researcher: from a photograph to a reconstructed picture
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png --sharp sharp.png

@@ -61,7 +61,7 @@ const WAVEFORM_CYCLES: u64 = 300;
   edof cosim --system --design tiny --weights tiny.fixed.safetensors --rtl build/tiny/rtl
   edof cosim --system --design kc705 --weights edof-t4w12-outer --photo a.png --size 256x256")]
 pub struct Args {
-    /// Design: tiny, paper, kc705, or a JSON file
+    /// Design, by name or file
     #[arg(long, value_name = "NAME|FILE")]
     design: String,
 

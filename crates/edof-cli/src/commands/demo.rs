@@ -57,7 +57,7 @@ pub struct Args {
     #[arg(long, value_name = "NOISE")]
     noise: Option<Noise>,
 
-    /// Board to generate and simulate: tiny, paper, kc705, a JSON file, or none [default: kc705, if the network fits it]
+    /// Design to generate and simulate, by name or file, or none [default: kc705, if the network fits it]
     #[arg(long, value_name = "NAME|FILE")]
     design: Option<String>,
 

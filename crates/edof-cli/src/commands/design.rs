@@ -92,7 +92,7 @@ struct New {
 #[command(after_help = "Examples:
   edof design check mine.json --weights mine.fixed.safetensors")]
 struct Check {
-    /// Design: tiny, paper, kc705, or a JSON file
+    /// Design, by name or file
     #[arg(value_name = "NAME|FILE")]
     design: String,
 

@@ -5,6 +5,7 @@ use crate::files::Files;
 use crate::ui::Ui;
 use crate::weights;
 use edof::job::memory;
+use edof::presets::designs;
 use edof_cosim::tool;
 use edof_cosim::verilator::Options;
 use edof_cosim::yosys::timing;
@@ -12,7 +13,7 @@ use edof_io::photos;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// List tools and their versions, devices, photographs, cache and free space
+/// List tools and their versions, devices, designs, networks, photographs, cache and free space
 ///
 /// For each missing item, doctor prints which commands need it and how to install it; other commands work without it. Doctor changes nothing.
 #[derive(clap::Args)]
@@ -53,6 +54,7 @@ const TOOLS: [Known; 6] = [
 #[derive(Serialize)]
 struct Found {
     tools: Vec<Tool>,
+    designs: Vec<&'static str>,
     networks: Vec<&'static str>,
     /// What networks can run on beside the processor.
     devices: Vec<String>,
@@ -91,6 +93,7 @@ pub fn run(_: Args, ui: &Ui) -> Result<(), Error> {
     Files::new(ui).check()?;
     let found = Found {
         tools: TOOLS.map(looked_for).into(),
+        designs: designs::names(),
         networks: weights::names(),
         devices: edof_gpu::Device::names().unwrap_or_default(),
         photographs: photos::default_folder()
@@ -164,6 +167,7 @@ fn tell(found: &Found, ui: &Ui) -> Result<(), Error> {
             }
         }
     }
+    ui.say(format!("designs inside: {}", found.designs.join(", ")))?;
     ui.say(format!("networks inside: {}", found.networks.join(", ")))?;
     match &found.devices[..] {
         [] => ui.say("devices for --device gpu: none; install a driver for OpenCL")?,

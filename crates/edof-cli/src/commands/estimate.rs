@@ -29,7 +29,7 @@ use std::path::PathBuf;
   edof estimate --design kc705 --weights edof-t4w12-outer --photo photo.png --json estimate.json
   edof estimate --design kc705 --weights edof-t4w12-outer --photo a.png --psi 0,4,8 --noise 0.01")]
 pub struct Args {
-    /// Design: tiny, paper, kc705, or a JSON file
+    /// Design, by name or file
     #[arg(long, value_name = "NAME|FILE")]
     design: String,
 

@@ -35,7 +35,7 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE,...", value_delimiter = ',', required = true)]
     weights: Vec<String>,
 
-    /// Design that sets clock and picture size: tiny, paper, kc705, or a JSON file
+    /// Design that sets clock and picture size, by name or file
     #[arg(long, value_name = "NAME|FILE", default_value = "kc705")]
     design: String,
 

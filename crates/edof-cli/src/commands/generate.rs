@@ -23,7 +23,7 @@ use std::path::PathBuf;
   edof generate --design my-design.json --weights mine.fixed.safetensors --out build/mine --json
   edof generate --design kc705 --weights edof-t4w12-outer --shell litex --out build/litex")]
 pub struct Args {
-    /// Design: tiny, paper, kc705, or a JSON file
+    /// Design, by name or file
     #[arg(long, value_name = "NAME|FILE")]
     design: String,
 

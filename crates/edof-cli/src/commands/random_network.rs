@@ -32,7 +32,7 @@ pub struct Args {
     #[arg(long, value_parser = form::parse, default_value = "edof-t4w12", long_help = form::help())]
     form: Form,
 
-    /// Make an extreme network that fits this design: tiny, paper, kc705, or a JSON file
+    /// Make an extreme network that fits this design, by name or file
     #[arg(long, value_name = "NAME|FILE", conflicts_with_all = ["kind", "form", "bits", "stride"])]
     design: Option<String>,
 

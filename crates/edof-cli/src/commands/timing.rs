@@ -27,7 +27,7 @@ use std::path::PathBuf;
   edof timing --design kc705 --weights edof-t4w12-outer --json timing.json
   edof timing --design tiny --route ecp5 --stages M1")]
 pub struct Args {
-    /// Design: tiny, paper, kc705, or a JSON file
+    /// Design, by name or file
     #[arg(long, value_name = "NAME|FILE")]
     design: String,
 

@@ -8,10 +8,11 @@ use edof_network::FixedNetwork;
 use std::path::Path;
 
 /// The designs inside the program.
-const EMBEDDED: [(&str, &str); 3] = [
+const EMBEDDED: [(&str, &str); 4] = [
     ("tiny", include_str!("../../../../designs/tiny.json")),
     ("paper", include_str!("../../../../designs/paper.json")),
     ("kc705", include_str!("../../../../designs/kc705.json")),
+    ("kc705-slow", include_str!("../../../../designs/kc705-slow.json")),
 ];
 
 /// Loads a design by file, or by name.

@@ -61,7 +61,7 @@ pub struct Args {
     #[arg(long = "timeout", alias = "patience", global = true, default_value_t = link::PATIENCE.as_secs_f64(), value_name = "SECONDS")]
     patience: f64,
 
-    /// Design of the board: tiny, paper, kc705, or a JSON file [default: detected]
+    /// Design of the board, by name or file [default: detected]
     #[arg(long, global = true, value_name = "NAME|FILE")]
     design: Option<String>,
 }
