@@ -16,6 +16,7 @@
 #   colour-scenes      the same with synthetic scenes of known saturation               (3 minutes)
 #   colour-training    the same with training photographs, and copies of random saturation in training  (20 minutes)
 #   tolerances    docs/results/tolerances.*: errors of the coded lens that cost 0.1 dB, its networks by noise  (10 minutes)
+#   codes         docs/results/codes.*: codes that programs read behind the coded and the clear lens  (10 minutes)
 #   forms layers  docs/results/forms.md, layers.md: short trainings of other forms, and of T = 3 to 10  (30 minutes)
 #   ablations     docs/results/ablations.md: short trainings by the recipe with one change each  (25 minutes)
 #   classes       docs/results/classes.md: short trainings for classes of noise, of all weights and of the thresholds alone  (10 minutes)
@@ -32,7 +33,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
-parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture aperture-networks colour-scenes colour-training colour tolerances forms ablations classes joint one-noise bound layers figures"
+parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture aperture-networks colour-scenes colour-training colour tolerances codes forms ablations classes joint one-noise bound layers figures"
 # shellcheck disable=SC2086 # parts are several words
 [ $# -gt 0 ] || set -- $parts
 for part in "$@"; do
@@ -267,6 +268,12 @@ colour_training() {
 tolerances() {
     "$edof" study tolerances --net "$(by_noise outer)" --psi 0,2,4,6,8 --noise none,0.01 $(rows tolerances) $(pages tolerances)
     table tolerances
+}
+
+# shellcheck disable=SC2046
+codes() {
+    "$edof" study codes --nets edof-t4w12-clear-light,edof-t4w12-outer-light --zbarimg $(rows codes) $(pages codes)
+    table codes
 }
 
 # One short training for each line of NAME OPTIONS (8,000 steps, seed 1, the default's camera; else the recipe of scripts/weights.sh), and a

@@ -279,6 +279,26 @@ fn blind_deconvolution_is_tried_on_random_blurs() {
 }
 
 #[test]
+fn codes_are_read_behind_each_lens_and_parts_of_the_study_are_merged() {
+    let place = Place::new();
+    let line = "study codes --nets paper-t4 --lenses clear --codes qr,ean-13 --module-px 3 --psi 0,8 --noise none --count 6";
+    let run = place
+        .edof(&format!("{line} --json codes.json --rows whole --csv codes.csv --markdown codes.md"))
+        .done();
+    assert!(run.out.contains("the widest is ") && run.out.contains("; without a network "), "{}", run.out);
+    let found: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(place.path("codes.json")).unwrap()).unwrap();
+    let reached = found["result"]["reached"].as_array().or_else(|| found["reached"].as_array()).unwrap();
+    let sharp = reached.iter().find(|r| r["camera"] == "clear" && r["symbology"] == "ean-13").unwrap();
+    assert_eq!(sharp["by_psi"][0], serde_json::json!([0.0, 1.0]), "{sharp}");
+    for part in [1, 2] {
+        place.edof(&format!("{line} --rows part-{part} --shard {part}/2")).done();
+    }
+    place.edof("study merge part-1 part-2 --out merged").done();
+    assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
+}
+
+#[test]
 fn hard_cases_are_run_and_a_broken_promise_is_a_failure_that_names_them() {
     let place = Place::new();
     let run = place

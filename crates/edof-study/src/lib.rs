@@ -20,6 +20,7 @@
 //! | | [`known_blurs`] | blind deconvolution of synthetic blurs |
 //! | | [`aperture`] | a coded lens against smaller apertures of its clear lens, in equal light |
 //! | | [`bound`] | what no lens passes, and how near to it a lens comes |
+//! | | [`codes`] | codes that programs can read, by lens, depth and light |
 //! | | [`tolerances`] | errors of a lens that cost 0.1 dB |
 //! | | [`design`] | foldings of networks that fit the board, and their front |
 //! | | [`demo`] | one scene at four depths through several lenses |
@@ -34,6 +35,7 @@
 
 pub mod aperture;
 pub mod bound;
+pub mod codes;
 pub mod demo;
 pub mod demo_report;
 pub mod design;

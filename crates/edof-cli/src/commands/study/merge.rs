@@ -6,6 +6,7 @@ use crate::files::{Files, Force};
 use crate::ui::Ui;
 use edof_study::aperture::Aperture;
 use edof_study::aperture::networks::ApertureNetworks;
+use edof_study::codes::Codes;
 use edof_study::journal::{Header, Journal, Line, Mixing};
 use edof_study::knobs::Knobs;
 use edof_study::known_blurs::KnownBlurs;
@@ -26,7 +27,7 @@ Example:
   for i in 1 2 3; do edof study single-depth --shard $i/3 --rows part-$i.jsonl & done; wait
   edof study merge --out rows.jsonl part-1.jsonl part-2.jsonl part-3.jsonl --report speed.html")]
 pub struct Args {
-    /// Files of rows, as --rows of kodak, single-depth, multi-depth, blind, knobs, aperture, aperture-networks or tolerances wrote them
+    /// Files of rows, as --rows of kodak, single-depth, multi-depth, blind, codes, knobs, aperture, aperture-networks or tolerances wrote them
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
@@ -59,6 +60,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     match study.as_deref() {
         Some(study) if study == study_of::<Aperture>() => merged::<Aperture>(&args, ui),
         Some(study) if study == study_of::<ApertureNetworks>() => merged::<ApertureNetworks>(&args, ui),
+        Some(study) if study == study_of::<Codes>() => merged::<Codes>(&args, ui),
         Some(study) if study == study_of::<Knobs>() => merged::<Knobs>(&args, ui),
         Some(study) if study == study_of::<MultiDepth>() => merged::<MultiDepth>(&args, ui),
         Some(study) if study == study_of::<KnownBlurs>() => merged::<KnownBlurs>(&args, ui),

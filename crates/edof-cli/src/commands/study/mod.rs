@@ -4,6 +4,7 @@ mod aperture;
 mod aperture_networks;
 mod bits;
 mod blind;
+mod codes;
 mod design;
 mod dictionary;
 mod knobs;
@@ -43,6 +44,7 @@ enum Experiment {
     SingleDepth(single_depth::Args),
     MultiDepth(multi_depth::Args),
     Blind(blind::Args),
+    Codes(codes::Args),
     Knobs(knobs::Args),
     Design(design::Args),
     Merge(merge::Args),
@@ -62,6 +64,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Experiment::SingleDepth(args) => single_depth::run(args, ui),
         Experiment::MultiDepth(args) => multi_depth::run(args, ui),
         Experiment::Blind(args) => blind::run(args, ui),
+        Experiment::Codes(args) => codes::run(args, ui),
         Experiment::Knobs(args) => knobs::run(args, ui),
         Experiment::Design(args) => design::run(args, ui),
         Experiment::Merge(args) => merge::run(args, ui),
