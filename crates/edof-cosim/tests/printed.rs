@@ -153,7 +153,8 @@ fn lines_arms_and_conditions_out_of_style_are_found() {
     );
     let found = faults(&Module { name: "m".into(), text, source: edof_hdl::verilog::SourceMap::default() });
     assert_eq!(found.len(), 3, "{found:?}");
-    let block = |n: usize| (0..9).map(|row| format!("word_{n}_q <= line_{}_i;\n", ["a"; 9][..=row].join("")));
+    let block =
+        |n: usize| (0..9).map(move |row| format!("word_{n}_q <= line_{}_i;\n", ["a"; 9][..=row].join("")));
     let copied: String = block(1).chain(block(2)).collect();
     assert_eq!(copy(&copied).as_deref(), Some("word_#_q <= line_a_i;"));
     assert_eq!(copy(&copied[..copied.len() - 30]), None);

@@ -202,8 +202,16 @@ fn conjuncts(x: Expression, terms: &mut Vec<Expression>) {
 /// Subject and number of a comparison with a number.
 fn compared(op: &str, term: &Expression) -> Option<(Expression, i128)> {
     match &term.node {
-        Node::Compare(found, x, y) if *found == op => Some(((**x).clone(), y.constant()?)),
+        Node::Compare(found, x, y) if *found == op => Some(((**x).clone(), number(y)?)),
         _ => None,
+    }
+}
+
+/// The number that a literal or a state is.
+fn number(x: &Expression) -> Option<i128> {
+    match &x.node {
+        Node::State(state) => i128::try_from(state.value).ok(),
+        _ => x.constant(),
     }
 }
 
