@@ -130,11 +130,11 @@ fn every_module_is_printed_in_style() {
     let text = |name: &str| &board.modules.iter().find(|module| module.name == name).unwrap().text;
     for (module, words) in [
         ("board_registers", "ADDR_INPUT_FRAMES: found_1_q <= input_frames_i;"),
-        ("chip_setup", "localparam [23:0] MILLISECOND = CLOCK_HZ / 1000 - 2;"),
-        ("i2c_master", "localparam [15:0] QUARTER = CLOCK_HZ / 400_000 - 2;"),
-        ("i2c_master", "localparam [23:0] HOLD = CLOCK_HZ / 250;"),
+        ("chip_setup", "localparam [31:0] MILLISECOND = CLOCK_HZ / 1000 - 2;"),
+        ("i2c_master", "localparam [31:0] QUARTER = CLOCK_HZ / 400_000 - 2;"),
+        ("i2c_master", "localparam [31:0] HOLD = CLOCK_HZ / 250;"),
         ("uart_bus", "localparam [31:0] TIME_OUT = CLOCK_HZ / 10;"),
-        ("video_in", "localparam [23:0] MAX_WAIT = 4 * FRAME_CYCLES;"),
+        ("video_in", "localparam [31:0] MAX_WAIT = 4 * FRAME_CYCLES;"),
     ] {
         assert!(text(module).contains(words), "{module}: {words}");
     }

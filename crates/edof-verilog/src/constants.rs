@@ -1,5 +1,6 @@
 //! The constants of a module: values, formulas and the states of enums.
 
+use crate::describe::Description;
 use crate::scope::Role;
 use crate::sheet::{Constant, Constants};
 use crate::source::index;
@@ -7,6 +8,21 @@ use crate::text::{Use, literal};
 use crate::types::Type;
 use crate::value::{Value, of_type, pattern};
 use crate::write::Writer;
+
+/// Bits of a whole number in Verilog.
+pub(crate) const INTEGER: usize = 32;
+
+/// The formula of a constant, if it gives its value, and the numbers in it.
+pub(crate) fn formula<'d>(
+    description: &'d Description,
+    key: &str,
+    digits: &str,
+) -> Option<(&'static str, &'d [(&'static str, i128)])> {
+    let (_, formula, known) = description.formulas.iter().find(|(field, ..)| *field == key)?;
+    let names: Vec<(String, i128)> = known.iter().map(|(name, value)| ((*name).into(), *value)).collect();
+    let is_right = index(formula, &names) == i128::from_str_radix(digits, 16).ok();
+    is_right.then_some((*formula, known.as_slice()))
+}
 
 impl Writer<'_> {
     /// The constants that the text names.
@@ -16,45 +32,28 @@ impl Writer<'_> {
         for (&id, &of) in &self.printer.constants {
             let signal = &self.scope.signals[id];
             let Role::Constant(digits) = &signal.role else { continue };
-            let name = self.signal_name(id).to_string();
+            let name = self.signal_name(id).split('[').next().unwrap_or_default().to_string();
+            let comment = self.said(id);
+            if let Some((formula, known)) = formula(self.description, &signal.key, digits) {
+                given.extend(known.iter().filter(|one| !given.contains(one)).collect::<Vec<_>>());
+                all.derived
+                    .push((Constant { name, of_type: of_type(Type::bits(INTEGER)), comment }, formula));
+                continue;
+            }
             let field = signal.key.split('$').next().unwrap_or_default();
             let as_read =
                 Type { signed: signal.ty.signed || self.description.signed.contains(&field), ..signal.ty };
             let value = Value { of_type: of_type(signal.ty), text: pattern(as_read, digits, of) };
-            let constant = Constant { name, of_type: value.of_type.clone(), comment: self.said(id) };
-            let Some((formula, known)) = self.formula(&signal.key, digits, &given) else {
-                all.constants.push(constant);
-                all.values.push(value);
-                continue;
-            };
-            given.extend(known);
-            all.derived.push((constant, formula));
+            all.constants.push(Constant { name, of_type: value.of_type.clone(), comment });
+            all.values.push(value);
         }
         for (name, value) in given {
             self.printer.names.reserve(name);
-            all.constants.push(Constant {
-                name: name.into(),
-                of_type: String::new(),
-                comment: String::new(),
-            });
+            let (name, of_type, comment) = (name.into(), String::new(), String::new());
+            all.constants.push(Constant { name, of_type, comment });
             all.values.push(Value::grouped(value));
         }
         all
-    }
-
-    /// The formula of a constant that gives its value, and the names in it that are not given yet.
-    fn formula(
-        &self,
-        key: &str,
-        digits: &str,
-        given: &[(&'static str, i128)],
-    ) -> Option<(&'static str, Vec<(&'static str, i128)>)> {
-        let (_, formula, known) = self.description.formulas.iter().find(|(field, ..)| *field == key)?;
-        let names: Vec<(String, i128)> = known.iter().map(|(name, value)| ((*name).into(), *value)).collect();
-        let is_right = index(formula, &names) == i128::from_str_radix(digits, 16).ok();
-        let is_free = |(name, value): &(&str, i128)| given.iter().all(|(n, v)| n != name || v == value);
-        let new = known.iter().filter(|one| !given.contains(one)).copied().collect();
-        (is_right && known.iter().all(is_free)).then_some((*formula, new))
     }
 
     /// Declarations of states, those of an enum on one line.

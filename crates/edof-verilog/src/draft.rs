@@ -6,6 +6,7 @@ use rust_hdl::prelude::Verilog;
 
 use crate::arrays::{self, Array, Pin, count_name};
 use crate::collect::Tree;
+use crate::constants::{INTEGER, formula};
 use crate::cycles::{self, Path};
 use crate::describe::Description;
 use crate::error::{EmitError, Fault, rust_path};
@@ -19,6 +20,7 @@ use crate::quiet::quieten;
 use crate::scope::{Part, Role, Scope, SignalId};
 use crate::sheet::Sheet;
 use crate::single::{plain, single_elements};
+use crate::text::range;
 use crate::value::Value;
 use crate::wiring::Wiring;
 use crate::write::Writer;
@@ -79,7 +81,9 @@ pub(crate) fn draft(
         Some((field, name, rest)) => format!("{field}_{name}{rest}"),
         None => plain(key, &single).into_owned(),
     };
-    let signal_names = name_signals(&scope, kinds, &plain_key, &ports_of, &reads, &wired.arrays, &mut names);
+    let mut signal_names =
+        name_signals(&scope, kinds, &plain_key, &ports_of, &reads, &wired.arrays, &mut names);
+    select_formulas(&scope, description, &mut signal_names);
     let writer = Writer {
         tree,
         scope: &scope,
@@ -298,6 +302,18 @@ fn name_signals(
     });
     in_array.into_iter().for_each(|(id, name)| given[id] = name);
     given
+}
+
+/// A constant with a formula is a whole number, of which as many bits are read as the constant has.
+fn select_formulas(scope: &Scope, description: &Description, names: &mut [String]) {
+    for (signal, name) in scope.signals.iter().zip(names) {
+        if let Role::Constant(digits) = &signal.role
+            && signal.ty.bits < INTEGER
+            && formula(description, &signal.key, digits).is_some()
+        {
+            *name += &range(0, signal.ty.bits);
+        }
+    }
 }
 
 /// Outputs of parts that are called as their port is, because no other signal is: a name of several words, or a long one.
