@@ -28,7 +28,13 @@ pub fn tokens(circuit: &Circuit) -> TokenStream {
             let data = Ident::new(&format!("_{}", word.to_lowercase()), formula.span());
             quote!((#word, ::core::primitive::i128::from(self.#data)))
         });
-        Some(quote!((#key, #formula, ::std::vec![#(#given),*])))
+        Some(quote! {
+            ::edof_verilog::describe::Formula {
+                field: #key,
+                text: #formula,
+                given: ::std::vec![#(#given),*],
+            }
+        })
     });
     let role = match &circuit.role {
         Some(field) => quote!(::std::string::ToString::to_string(&self.#field)),

@@ -1,6 +1,6 @@
 //! The constants of a module: values, formulas and the states of enums.
 
-use crate::describe::Description;
+use crate::describe::{Description, Formula};
 use crate::scope::Role;
 use crate::sheet::{Constant, Constants};
 use crate::source::index;
@@ -18,10 +18,10 @@ pub(crate) fn formula<'d>(
     key: &str,
     digits: &str,
 ) -> Option<(&'static str, &'d [(&'static str, i128)])> {
-    let (_, formula, known) = description.formulas.iter().find(|(field, ..)| *field == key)?;
-    let names: Vec<(String, i128)> = known.iter().map(|(name, value)| ((*name).into(), *value)).collect();
-    let is_right = index(formula, &names) == i128::from_str_radix(digits, 16).ok();
-    is_right.then_some((*formula, known.as_slice()))
+    let Formula { text, given, .. } = description.formulas.iter().find(|formula| formula.field == key)?;
+    let names: Vec<(String, i128)> = given.iter().map(|(name, value)| ((*name).into(), *value)).collect();
+    let is_right = index(text, &names) == i128::from_str_radix(digits, 16).ok();
+    is_right.then_some((*text, given.as_slice()))
 }
 
 impl Writer<'_> {

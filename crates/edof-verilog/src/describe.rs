@@ -60,8 +60,19 @@ pub struct Description {
     pub literals: &'static [&'static str],
     /// Constants of unsigned type that are two's complement.
     pub signed: &'static [&'static str],
-    /// Constants that are calculated: the formula, and the values in it.
-    pub formulas: Vec<(&'static str, &'static str, Vec<(&'static str, i128)>)>,
+    /// Constants that are calculated.
+    pub formulas: Vec<Formula>,
+}
+
+/// What a constant is calculated from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Formula {
+    /// Field of the constant.
+    pub field: &'static str,
+    /// Arithmetic of whole numbers and names, for instance `CLOCK_HZ / 10`.
+    pub text: &'static str,
+    /// The names in it, and their values.
+    pub given: Vec<(&'static str, i128)>,
 }
 
 impl Description {
