@@ -50,7 +50,15 @@ pub(crate) fn order(
     let sources = pieces.iter().enumerate();
     let sources = sources.flat_map(|(n, piece)| piece.declares.iter().map(move |id| (*id, n))).collect();
     let mut ordering = Ordering { pieces: &pieces, resolved, sources, seen: BTreeSet::new(), order: vec![] };
-    (0..pieces.len()).for_each(|n| ordering.add(n, usize::MAX));
+    // What feeds an instance stands above it.
+    let is_feed = |piece: &Piece| {
+        let is_input = |id: &SignalId| scope.signals[*id].role == Role::PartInput;
+        matches!(piece.step, Step::Process(_))
+            && !piece.declares.is_empty()
+            && piece.declares.iter().all(is_input)
+    };
+    let (feeds, others): (Vec<usize>, Vec<usize>) = (0..pieces.len()).partition(|n| is_feed(&pieces[*n]));
+    others.into_iter().chain(feeds).for_each(|n| ordering.add(n, usize::MAX));
     ordering.finish()
 }
 
@@ -77,8 +85,8 @@ struct Ordering<'a> {
 }
 
 impl Ordering<'_> {
-    /// Adds a piece after those that it reads. What an instance is given by one behind it, up to `last`, flows back, as the readiness of
-    /// a stream does: it stays behind.
+    /// Adds a piece after those that it reads, and an instance after those before it. What an instance reads of one behind it flows back, as
+    /// the readiness of a stream does: pieces for an instance take nothing of those behind `last`.
     fn add(&mut self, n: usize, last: usize) {
         let last = match self.pieces[n].step {
             Step::Part(part) if part > last => return,
@@ -87,6 +95,11 @@ impl Ordering<'_> {
         };
         if !self.seen.insert(n) {
             return;
+        }
+        if let Step::Part(part) = self.pieces[n].step {
+            let is_before = |other: &Piece| matches!(other.step, Step::Part(other) if other < part);
+            let before: Vec<usize> = (0..n).filter(|other| is_before(&self.pieces[*other])).collect();
+            before.into_iter().for_each(|other| self.add(other, part));
         }
         for id in self.reads(n) {
             if let Some(source) = self.sources.get(&id) {

@@ -54,7 +54,7 @@ module chain (
 
   localparam [3:0] WHOLE_CHAIN = 4'd15;
 
-  wire stages_0_valid, stages_0_ready, stages_3_window_ready;
+  wire stages_0_ready, stages_3_window_ready;
   reg guard_reset_q, guard_reset_counters_q, guard_snapshot_1_q, guard_snapshot_q;
   reg [31:0] guard_status_q;
 
@@ -69,6 +69,8 @@ module chain (
     .snapshot_i(guard_snapshot_q), .too_short_o(too_short), .too_long_o(too_long)
   );
 
+  wire stages_0_valid = guard_out_valid && stages_3_window_ready;
+
   wire stages_0_window_ready_unused;
   wire [31:0] stages_0_status;
   stage_i stages_0 (
@@ -81,41 +83,16 @@ module chain (
     .status_o(stages_0_status)
   );
 
-  wire stages_3_window_valid = guard_out_valid && stages_0_ready;
-
-  wire [31:0] stages_3_out_base_unused, stages_3_status;
-  stage_mf #(
-    .ID(4'd3), .BOTH_PORTS(1'b1), .HAS_LINEAR(1'b1), .BANKS(8), .MACC_DEPTH(640), .ROWS(2),
-    .MACC_INIT("stage3_bank"), .BASE_FIFO_DEPTH(0), .LAST_WINDOW(6'h1f), .MAX_WINDOWS(7'd32),
-    .RING_DEPTH(1024), .TWO_ROWS(1'b1), .LINEAR_BEFORE_LAST(8'd31), .PASS_ROWS(12'd80),
-    .SEQUENCER_SET_ROWS(12'd320), .LAST_PASS(6'd3), .BEFORE_LAST_TAKE(8'd15), .RELEASE_AT(8'd8),
-    .DRAIN_LAST_BEAT(8'd63), .NEEDED_CREDITS(8'd16), .ALIGNS(1'b1), .RESULTS_SET_ROWS(12'd64),
-    .SHRINKS(1'b0), .PASSES_BASE(1'b0), .THRESHOLDS_DEPTH(0), .RESULTS_INIT(""), .CODES_TO_23_CYCLES(0),
-    .RESULT_TO_23_CYCLES(6), .BASE_BITS(48'd0), .BASE_RING_DEPTH(0), .REGISTERS_INIT("stage3_shifts.mem"),
-    .CHECK_LAST_BEAT(28'd3071)
-  ) stages_3 (
-    .clock_i(clock_i), .reset_i(reset_i), .flush_i(flush_i), .valid_i(between_valid_2_o),
-    .ready_o(between_ready_2_o), .data_i(between_data_2_o), .base_i(between_base_2_o),
-    .last_i(between_last_2_o), .set_i(between_set_2_o), .window_valid_i(stages_3_window_valid),
-    .window_ready_o(stages_3_window_ready), .window_data_i(guard_out_data),
-    .window_last_i(guard_out_last), .out_valid_o(patch_valid_o), .out_ready_i(patch_ready_i),
-    .out_data_o(patch_data_o), .out_base_o(stages_3_out_base_unused), .out_last_o(patch_last_o),
-    .out_set_o(patch_set_o), .write_valid_i(write_valid_i), .write_address_i(write_address_i),
-    .write_data_i(write_data_i), .status_address_i(status_address_i), .status_o(stages_3_status)
-  );
-
-  assign stages_0_valid = guard_out_valid && stages_3_window_ready;
-
   wire stages_1_window_ready_unused;
   wire [31:0] stages_1_status;
   stage_mf #(
     .ID(4'd1), .BOTH_PORTS(1'b0), .HAS_LINEAR(1'b0), .BANKS(2), .MACC_DEPTH(64), .ROWS(1),
-    .MACC_INIT("stage1_bank"), .BASE_FIFO_DEPTH(128), .LAST_WINDOW(6'd0), .MAX_WINDOWS(7'd0),
-    .RING_DEPTH(0), .TWO_ROWS(1'b0), .LINEAR_BEFORE_LAST(8'd0), .PASS_ROWS(12'd16),
+    .MACC_INIT("stage1_bank"), .BASE_FIFO_DEPTH(128), .TWO_ROWS(1'b0), .ALIGNS(1'b0), .LAST_WINDOW(6'd0),
+    .MAX_WINDOWS(7'd0), .RING_DEPTH(0), .LINEAR_BEFORE_LAST(8'd0), .PASS_ROWS(12'd16),
     .SEQUENCER_SET_ROWS(12'd32), .LAST_PASS(6'd1), .BEFORE_LAST_TAKE(8'd3), .RELEASE_AT(8'd3),
-    .DRAIN_LAST_BEAT(8'd7), .NEEDED_CREDITS(8'd4), .ALIGNS(1'b0), .RESULTS_SET_ROWS(12'd8),
-    .SHRINKS(1'b1), .PASSES_BASE(1'b1), .THRESHOLDS_DEPTH(16), .RESULTS_INIT("stage1_thresholds.mem"),
-    .CODES_TO_23_CYCLES(3), .RESULT_TO_23_CYCLES(0), .BASE_BITS(48'hffffffffffff), .BASE_RING_DEPTH(1024),
+    .DRAIN_LAST_BEAT(8'd7), .NEEDED_CREDITS(8'd4), .RESULTS_SET_ROWS(12'd8), .SHRINKS(1'b1),
+    .PASSES_BASE(1'b1), .THRESHOLDS_DEPTH(16), .RESULTS_INIT("stage1_thresholds.mem"),
+    .CODE_FLAGS_CYCLES(3), .RESULT_TO_23_CYCLES(0), .BASE_BITS(48'hffffffffffff), .BASE_RING_DEPTH(1024),
     .REGISTERS_INIT("stage1_shifts.mem"), .CHECK_LAST_BEAT(28'd383)
   ) stages_1 (
     .clock_i(clock_i), .reset_i(reset_i), .flush_i(flush_i), .valid_i(between_valid_0_o),
@@ -132,12 +109,12 @@ module chain (
   wire [31:0] stages_2_status;
   stage_mf #(
     .ID(4'd2), .BOTH_PORTS(1'b0), .HAS_LINEAR(1'b0), .BANKS(2), .MACC_DEPTH(64), .ROWS(1),
-    .MACC_INIT("stage2_bank"), .BASE_FIFO_DEPTH(0), .LAST_WINDOW(6'd0), .MAX_WINDOWS(7'd0),
-    .RING_DEPTH(0), .TWO_ROWS(1'b0), .LINEAR_BEFORE_LAST(8'd0), .PASS_ROWS(12'd16),
+    .MACC_INIT("stage2_bank"), .BASE_FIFO_DEPTH(0), .TWO_ROWS(1'b0), .ALIGNS(1'b0), .LAST_WINDOW(6'd0),
+    .MAX_WINDOWS(7'd0), .RING_DEPTH(0), .LINEAR_BEFORE_LAST(8'd0), .PASS_ROWS(12'd16),
     .SEQUENCER_SET_ROWS(12'd32), .LAST_PASS(6'd1), .BEFORE_LAST_TAKE(8'd3), .RELEASE_AT(8'd3),
-    .DRAIN_LAST_BEAT(8'd7), .NEEDED_CREDITS(8'd4), .ALIGNS(1'b0), .RESULTS_SET_ROWS(12'd8),
-    .SHRINKS(1'b1), .PASSES_BASE(1'b1), .THRESHOLDS_DEPTH(16), .RESULTS_INIT("stage2_thresholds.mem"),
-    .CODES_TO_23_CYCLES(3), .RESULT_TO_23_CYCLES(0), .BASE_BITS(48'hffffffffffff), .BASE_RING_DEPTH(1024),
+    .DRAIN_LAST_BEAT(8'd7), .NEEDED_CREDITS(8'd4), .RESULTS_SET_ROWS(12'd8), .SHRINKS(1'b1),
+    .PASSES_BASE(1'b1), .THRESHOLDS_DEPTH(16), .RESULTS_INIT("stage2_thresholds.mem"),
+    .CODE_FLAGS_CYCLES(3), .RESULT_TO_23_CYCLES(0), .BASE_BITS(48'hffffffffffff), .BASE_RING_DEPTH(1024),
     .REGISTERS_INIT("stage2_shifts.mem"), .CHECK_LAST_BEAT(28'd383)
   ) stages_2 (
     .clock_i(clock_i), .reset_i(reset_i), .flush_i(flush_i), .valid_i(between_valid_1_o),
@@ -148,6 +125,29 @@ module chain (
     .out_base_o(between_base_2_o), .out_last_o(between_last_2_o), .out_set_o(between_set_2_o),
     .write_valid_i(write_valid_i), .write_address_i(write_address_i), .write_data_i(write_data_i),
     .status_address_i(status_address_i), .status_o(stages_2_status)
+  );
+
+  wire stages_3_window_valid = guard_out_valid && stages_0_ready;
+
+  wire [31:0] stages_3_out_base_unused, stages_3_status;
+  stage_mf #(
+    .ID(4'd3), .BOTH_PORTS(1'b1), .HAS_LINEAR(1'b1), .BANKS(8), .MACC_DEPTH(640), .ROWS(2),
+    .MACC_INIT("stage3_bank"), .BASE_FIFO_DEPTH(0), .TWO_ROWS(1'b1), .ALIGNS(1'b1), .LAST_WINDOW(6'h1f),
+    .MAX_WINDOWS(7'd32), .RING_DEPTH(1024), .LINEAR_BEFORE_LAST(8'd31), .PASS_ROWS(12'd80),
+    .SEQUENCER_SET_ROWS(12'd320), .LAST_PASS(6'd3), .BEFORE_LAST_TAKE(8'd15), .RELEASE_AT(8'd8),
+    .DRAIN_LAST_BEAT(8'd63), .NEEDED_CREDITS(8'd16), .RESULTS_SET_ROWS(12'd64), .SHRINKS(1'b0),
+    .PASSES_BASE(1'b0), .THRESHOLDS_DEPTH(0), .RESULTS_INIT(""), .CODE_FLAGS_CYCLES(0),
+    .RESULT_TO_23_CYCLES(6), .BASE_BITS(48'd0), .BASE_RING_DEPTH(0), .REGISTERS_INIT("stage3_shifts.mem"),
+    .CHECK_LAST_BEAT(28'd3071)
+  ) stages_3 (
+    .clock_i(clock_i), .reset_i(reset_i), .flush_i(flush_i), .valid_i(between_valid_2_o),
+    .ready_o(between_ready_2_o), .data_i(between_data_2_o), .base_i(between_base_2_o),
+    .last_i(between_last_2_o), .set_i(between_set_2_o), .window_valid_i(stages_3_window_valid),
+    .window_ready_o(stages_3_window_ready), .window_data_i(guard_out_data),
+    .window_last_i(guard_out_last), .out_valid_o(patch_valid_o), .out_ready_i(patch_ready_i),
+    .out_data_o(patch_data_o), .out_base_o(stages_3_out_base_unused), .out_last_o(patch_last_o),
+    .out_set_o(patch_set_o), .write_valid_i(write_valid_i), .write_address_i(write_address_i),
+    .write_data_i(write_data_i), .status_address_i(status_address_i), .status_o(stages_3_status)
   );
 
   reg [31:0] status_word;

@@ -48,19 +48,20 @@ module dense_store (
   end
 
   wire [11:0] write_row = {3'd0, write_slot_q, row_q};
-  wire parts_0_write_enable = valid_1_q && (part_q == PART_IDS_0);
-  wire [11:0] parts_0_read_address = {3'd0, read_row_i};
-  wire parts_1_write_enable = valid_1_q && (part_q == PART_IDS_1);
-  wire [11:0] parts_1_read_address = {3'd0, read_row_i};
   assign arrived_o = arrived_3_q;
   assign descriptor_o = set_3_q ? (DESCRIPTOR_OF_SET_0 | 12'd1) : DESCRIPTOR_OF_SET_0;
   assign pair_c_o = 32'd0;
   assign pair_d_o = 32'd0;
+  wire [11:0] parts_0_read_address = {3'd0, read_row_i};
+  wire parts_0_write_enable = valid_1_q && (part_q == PART_IDS_0);
 
   edof_ram #(.WIDTH(32), .DEPTH(512), .BLOCK(2), .INIT("")) parts_0 (
     .clock_i(clock_i), .read_address_i(parts_0_read_address), .read_data_o(pair_a_o),
     .write_enable_i(parts_0_write_enable), .write_address_i(write_row), .write_data_i(data_1_q)
   );
+
+  wire [11:0] parts_1_read_address = {3'd0, read_row_i};
+  wire parts_1_write_enable = valid_1_q && (part_q == PART_IDS_1);
 
   edof_ram #(.WIDTH(32), .DEPTH(512), .BLOCK(2), .INIT("")) parts_1 (
     .clock_i(clock_i), .read_address_i(parts_1_read_address), .read_data_o(pair_b_o),

@@ -23,9 +23,9 @@ module frame_check_w32 #(
   reg [31:0] whole_q, latched_q;
   reg [7:0] frames_q, latched_frames_q;
 
-  wire [1:0] resets_data = reset_i ? 2'd3 : 2'd0;
   assign crc_o = latched_q;
   assign frames_o = latched_frames_q;
+  wire [1:0] resets_data = reset_i ? 2'd3 : 2'd0;
 
   wire [1:0] delayed;
   edof_delay #(.WIDTH(2), .CYCLES(1)) resets (.clock_i(clock_i), .data_i(resets_data), .data_o(delayed));

@@ -5,8 +5,8 @@
 // From crates/edof-hdl/src/blocks/pair_operands.rs (PairOperands).
 `default_nettype none
 module pair_operands #(
-  parameter ALIGNS = 1'b1,
-  parameter TWO_ROWS = 1'b1
+  parameter ALIGNS = 1'b0,
+  parameter TWO_ROWS = 1'b0
 ) (
   input wire clock_i,             // Clock.
 

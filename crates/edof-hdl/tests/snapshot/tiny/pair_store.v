@@ -7,7 +7,7 @@
 // From crates/edof-hdl/src/blocks/pair_store.rs (PairStore).
 `default_nettype none
 module pair_store #(
-  parameter TWO_ROWS = 1'b1
+  parameter TWO_ROWS = 1'b0
 ) (
   input wire clock_i,              // Clock.
   input wire reset_i,              // Empties all slots.

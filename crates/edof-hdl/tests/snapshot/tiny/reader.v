@@ -44,7 +44,6 @@ module reader (
   // A row is asked for in cycle 0, as long as it takes; it is here before the 192nd, and goes through the CRC
   // in the last 64.
   wire advance = request_q && (grant_i || (thresholds_valid_i && (|space_q)) || (space_q == 2'd3));
-  wire [1:0] shifts_data = (is_active_q && (cycle_q[7:6] == 2'd3)) ? 2'd3 : 2'd0;
   wire restart = at_end_q && (fresh_q || (|remaining_q));
   wire [63:0] rotated = word_q[0] ? ((word_q >> 1) | TOP) : (word_q >> 1);
   assign request_weights_o = request_q && (space_q == 2'd0);
@@ -66,6 +65,7 @@ module reader (
   end
 
   assign value_o = status_word;
+  wire [1:0] shifts_data = (is_active_q && (cycle_q[7:6] == 2'd3)) ? 2'd3 : 2'd0;
 
   wire [1:0] delayed;
   edof_delay #(.WIDTH(2), .CYCLES(1)) shifts (.clock_i(clock_i), .data_i(shifts_data), .data_o(delayed));

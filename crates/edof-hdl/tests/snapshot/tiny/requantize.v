@@ -30,15 +30,22 @@ module requantize #(
 
   // Cycles 1 and 2: the base to its place; the rounding term.
   wire [47:0] extended = base_i[15] ? ({32'd0, base_i} | SIGN_BITS) : {32'd0, base_i};
-  wire [5:0] coarse_to_1_data = base_shift_i & 6'h38;
+
+  wire [47:0] sum_to_4_delayed;
+  edof_delay #(.WIDTH(48), .CYCLES(4)) sum_to_4 (.clock_i(clock_i), .data_i(sum_i), .data_o(sum_to_4_delayed));
 
   wire [5:0] shift_to_6_delayed;
   edof_delay #(.WIDTH(6), .CYCLES(6)) shift_to_6 (
     .clock_i(clock_i), .data_i(result_shift_i), .data_o(shift_to_6_delayed)
   );
 
-  wire [47:0] sum_to_4_delayed;
-  edof_delay #(.WIDTH(48), .CYCLES(4)) sum_to_4 (.clock_i(clock_i), .data_i(sum_i), .data_o(sum_to_4_delayed));
+  wire [5:0] coarse_to_1_data = base_shift_i & 6'h38;
+
+  wire [5:0] coarse_to_1_delayed;
+  edof_delay #(.WIDTH(6), .CYCLES(1)) coarse_to_1 (
+    .clock_i(clock_i), .data_i(coarse_to_1_data), .data_o(coarse_to_1_delayed)
+  );
+
   wire [47:0] with_half_sum;
   edof_add with_half (.clock_i(clock_i), .a_i(aligned_2_q), .b_i(half_2_q), .sum_o(with_half_sum));
   wire [47:0] total_sum;
@@ -51,11 +58,6 @@ module requantize #(
   wire [47:0] outside = shifted_8_q[47] ? (~shifted_8_q & BEYOND) : (shifted_8_q & BEYOND);
   assign result_o = result_q;
   assign saturated_o = saturated_q;
-
-  wire [5:0] coarse_to_1_delayed;
-  edof_delay #(.WIDTH(6), .CYCLES(1)) coarse_to_1 (
-    .clock_i(clock_i), .data_i(coarse_to_1_data), .data_o(coarse_to_1_delayed)
-  );
 
   always @(posedge clock_i) begin
     fine_1_q <= extended << (base_shift_i & 6'd7);

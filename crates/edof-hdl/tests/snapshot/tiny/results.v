@@ -11,7 +11,7 @@ module results #(
   parameter PASSES_BASE = 1'b0, // Base words for the next stage are those that came in.
   parameter THRESHOLDS_DEPTH = 16,
   parameter INIT = "stage0_thresholds.mem",
-  parameter CODES_TO_23_CYCLES = 3,
+  parameter CODE_FLAGS_CYCLES = 3,
   parameter RESULT_TO_23_CYCLES = 0,
   parameter BASE_TO_23_CYCLES = 6,
   parameter [47:0] BASE_BITS = 48'd0,
@@ -59,6 +59,26 @@ module results #(
   wire [2:0] marks = {set_i, last_i, take_i};
   wire [9:0] place = {take_i, set_i, beat_i};
 
+  wire [2:0] marks_to_5_delayed;
+  edof_delay #(.WIDTH(3), .CYCLES(5)) marks_to_5 (
+    .clock_i(clock_i), .data_i(marks), .data_o(marks_to_5_delayed)
+  );
+
+  wire [2:0] marks_to_6_delayed;
+  edof_delay #(.WIDTH(3), .CYCLES(1)) marks_to_6 (
+    .clock_i(clock_i), .data_i(marks_to_5_delayed), .data_o(marks_to_6_delayed)
+  );
+
+  wire [2:0] marks_to_23_delayed;
+  edof_delay #(.WIDTH(3), .CYCLES(17)) marks_to_23 (
+    .clock_i(clock_i), .data_i(marks_to_6_delayed), .data_o(marks_to_23_delayed)
+  );
+
+  wire [9:0] place_to_15_delayed;
+  edof_delay #(.WIDTH(10), .CYCLES(15)) place_to_15 (
+    .clock_i(clock_i), .data_i(place), .data_o(place_to_15_delayed)
+  );
+
   wire [15:0] requantize_even_result;
   wire requantize_even_saturated;
   requantize #(.BASE_BITS(BASE_BITS)) requantize_even (
@@ -78,6 +98,16 @@ module results #(
   wire [31:0] result = {requantize_odd_result, requantize_even_result};
   assign read_valid_o = read_17_q;
   assign read_previous_o = 32'd0;
+
+  edof_delay #(.WIDTH(2), .CYCLES(6)) result_flags (
+    .clock_i(clock_i), .data_i({requantize_odd_saturated, requantize_even_saturated}),
+    .data_o(result_saturated_o)
+  );
+
+  base_ring #(.LAST_BEAT(LAST_BEAT), .DEPTH(BASE_RING_DEPTH)) base_ring (
+    .clock_i(clock_i), .reset_i(reset_i), .write_i(base_write_i), .words_i(base_words_i),
+    .read_i(marks_to_5_delayed[0]), .front_o(base_ring_front)
+  );
 
   edof_ram #(.WIDTH(32), .DEPTH(THRESHOLDS_DEPTH), .BLOCK(0), .INIT(INIT)) thresholds (
     .clock_i(clock_i), .read_address_i(threshold_row_q), .read_data_o(read_thresholds_o),
@@ -100,8 +130,12 @@ module results #(
 
   wire [31:0] code = {shrink_odd_result, shrink_even_result};
 
+  edof_delay #(.WIDTH(2), .CYCLES(CODE_FLAGS_CYCLES)) code_flags (
+    .clock_i(clock_i), .data_i({shrink_odd_saturated, shrink_even_saturated}), .data_o(code_saturated_o)
+  );
+
   wire [31:0] codes_to_23_delayed;
-  edof_delay #(.WIDTH(32), .CYCLES(CODES_TO_23_CYCLES)) codes_to_23 (
+  edof_delay #(.WIDTH(32), .CYCLES(CODE_FLAGS_CYCLES)) codes_to_23 (
     .clock_i(clock_i), .data_i(code), .data_o(codes_to_23_delayed)
   );
 
@@ -112,28 +146,7 @@ module results #(
 
   wire [31:0] sent = SHRINKS ? codes_to_23_delayed : result_to_23_delayed;
   assign difference_saturated_o = {1'b0, 1'b0};
-
-  wire [2:0] marks_to_5_delayed;
-  edof_delay #(.WIDTH(3), .CYCLES(5)) marks_to_5 (
-    .clock_i(clock_i), .data_i(marks), .data_o(marks_to_5_delayed)
-  );
-
-  wire [2:0] marks_to_6_delayed;
-  edof_delay #(.WIDTH(3), .CYCLES(1)) marks_to_6 (
-    .clock_i(clock_i), .data_i(marks_to_5_delayed), .data_o(marks_to_6_delayed)
-  );
-
-  wire [2:0] marks_to_23_delayed;
-  edof_delay #(.WIDTH(3), .CYCLES(17)) marks_to_23 (
-    .clock_i(clock_i), .data_i(marks_to_6_delayed), .data_o(marks_to_23_delayed)
-  );
-
   assign base_push_o = PASSES_BASE ? base_mark_q : marks_to_23_delayed[0];
-
-  base_ring #(.LAST_BEAT(LAST_BEAT), .DEPTH(BASE_RING_DEPTH)) base_ring (
-    .clock_i(clock_i), .reset_i(reset_i), .write_i(base_write_i), .words_i(base_words_i),
-    .read_i(marks_to_5_delayed[0]), .front_o(base_ring_front)
-  );
 
   wire [31:0] base_to_23_delayed;
   edof_delay #(.WIDTH(32), .CYCLES(BASE_TO_23_CYCLES)) base_to_23 (
@@ -145,20 +158,6 @@ module results #(
   assign push_o = marks_to_23_delayed[0];
   assign done_o = marks_to_23_delayed[2:1];
   assign nonzero_o = {|sent[31:16], |sent[15:0]};
-
-  wire [9:0] place_to_15_delayed;
-  edof_delay #(.WIDTH(10), .CYCLES(15)) place_to_15 (
-    .clock_i(clock_i), .data_i(place), .data_o(place_to_15_delayed)
-  );
-
-  edof_delay #(.WIDTH(2), .CYCLES(6)) result_flags (
-    .clock_i(clock_i), .data_i({requantize_odd_saturated, requantize_even_saturated}),
-    .data_o(result_saturated_o)
-  );
-
-  edof_delay #(.WIDTH(2), .CYCLES(CODES_TO_23_CYCLES)) code_flags (
-    .clock_i(clock_i), .data_i({shrink_odd_saturated, shrink_even_saturated}), .data_o(code_saturated_o)
-  );
 
   always @(posedge clock_i) begin
     shifts_q <= shifts_0_i[11:0];

@@ -39,11 +39,12 @@ module stage_i (
   localparam [11:0] READ_REGISTER = 12'd3;
   localparam [31:0] SKIP_BIT = 32'd1;
 
+  wire valid_a, sequencer_first, sequencer_odd, finished, release_, drain_copy, drain_take, request_weights;
+  wire request_thresholds;
   wire [8:0] read_row;
-  wire finished, release_, request_weights, request_thresholds;
+  wire [11:0] sequencer_base, offset, reader_row;
   wire [19:0] shifts_0, shifts_1;
-  wire [11:0] reader_row;
-  reg [31:0] reader_register, status_q, data_1_q, data_2_q;
+  reg [31:0] status_q, data_1_q, data_2_q;
   reg write_1_q, weights_2_q, thresholds_2_q, previous_2_q, registers_2_q, command_2_q, snapshot_2_q, read_2_q;
   reg [24:0] address_1_q;
   reg [18:0] address_2_q;
@@ -58,6 +59,11 @@ module stage_i (
     .clock_i(clock_i), .data_i(resets), .data_o(reset_parts_delayed)
   );
 
+  wire reset_registers_delayed;
+  edof_delay #(.WIDTH(1), .CYCLES(1)) reset_registers (
+    .clock_i(clock_i), .data_i(reset_i), .data_o(reset_registers_delayed)
+  );
+
   wire vectors_arrived;
   wire [11:0] vectors_descriptor;
   wire [31:0] pair_a, pair_b, pair_c, pair_d;
@@ -68,16 +74,25 @@ module stage_i (
     .pair_c_o(pair_c), .pair_d_o(pair_d), .finished_i(finished)
   );
 
+  wire step_first;
+  wire [11:0] address;
+  wire [24:0] dense_operands_value_a, dense_operands_value_b, dense_operands_value_c, dense_operands_value_d;
+  dense_operands dense_operands (
+    .clock_i(clock_i), .valid_i(valid_a), .first_i(sequencer_first), .odd_i(sequencer_odd),
+    .base_i(sequencer_base), .offset_i(offset), .pair_a_i(pair_a), .pair_b_i(pair_b), .pair_c_i(pair_c),
+    .pair_d_i(pair_d), .step_first_o(step_first), .address_o(address), .value_a_o(dense_operands_value_a),
+    .value_b_o(dense_operands_value_b), .value_c_o(dense_operands_value_c),
+    .value_d_o(dense_operands_value_d)
+  );
+
   wire selected = write_1_q && (address_1_q[24:21] == ID);
 
   // A row is read back in a cycle without a write, whatever that would write.
   wire reads = request_weights && !write_1_q;
   wire sequencer_steal_next = reads || (BOTH_PORTS && selected && (address_1_q[20:19] == 2'd0));
 
-  wire valid_a, sequencer_valid_b_unused, sequencer_first, sequencer_linear_unused, sequencer_odd;
-  wire sequencer_set, pass_issued;
+  wire sequencer_valid_b_unused, sequencer_linear_unused, sequencer_set, pass_issued;
   wire [6:0] sequencer_read_pixels_unused;
-  wire [11:0] sequencer_base, offset;
   sequencer #(
     .TWO_ROWS(1'b0), .HAS_LINEAR(1'b0), .LINEAR_BEFORE_LAST(8'd0), .CODES(12'd0), .PASS_ROWS(12'd32),
     .SET_ROWS(12'd32), .LAST_PASS(6'd0)
@@ -90,8 +105,21 @@ module stage_i (
     .offset_o(offset), .pass_issued_o(pass_issued), .finished_o(finished)
   );
 
-  wire drain_copy, drain_take, drain_last, take_set;
+  wire [47:0] sum_even, sum_odd;
+  wire [63:0] read_data;
+  edof_macc_array #(.BANKS(4), .DEPTH(64), .ROWS(2), .DENSE(1), .SUM(48), .INIT("stage0_bank")) macc (
+    .clock_i(clock_i), .first_i(step_first), .address_a_i(address), .address_b_i(12'd0),
+    .value_a_i(dense_operands_value_a), .value_b_i(dense_operands_value_b),
+    .value_c_i(dense_operands_value_c), .value_d_i(dense_operands_value_d), .copy_i(drain_copy),
+    .shift_i(drain_take), .sum_even_o(sum_even), .sum_odd_o(sum_odd),
+    .write_enable_i(weights_to_5_delayed[0] && !reset_i), .write_bank_i(weights_to_5_delayed[52:47]),
+    .write_half_i(weights_to_5_delayed[34]), .write_row_i(weights_to_5_delayed[46:35]),
+    .write_data_i(weights_to_5_delayed[33:2]), .read_enable_i(weights_to_5_delayed[1]),
+    .read_data_o(read_data)
+  );
+
   wire [7:0] drain_beat;
+  wire drain_last, take_set;
   drain #(.BEFORE_LAST_TAKE(8'd7), .RELEASE_AT(8'd7), .LAST_BEAT(8'd7), .NEEDED_CREDITS(8'd8)) drain (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[3]), .pass_issued_i(pass_issued),
     .set_i(sequencer_set), .credit_return_i(out_valid_o && out_ready_i), .release_o(release_),
@@ -108,37 +136,13 @@ module stage_i (
     .clock_i(clock_i), .data_i(marks), .data_o(marks_to_groups_delayed)
   );
 
-  wire step_first;
-  wire [11:0] address;
-  wire [24:0] dense_operands_value_a, dense_operands_value_b, dense_operands_value_c, dense_operands_value_d;
-  dense_operands dense_operands (
-    .clock_i(clock_i), .valid_i(valid_a), .first_i(sequencer_first), .odd_i(sequencer_odd),
-    .base_i(sequencer_base), .offset_i(offset), .pair_a_i(pair_a), .pair_b_i(pair_b), .pair_c_i(pair_c),
-    .pair_d_i(pair_d), .step_first_o(step_first), .address_o(address), .value_a_o(dense_operands_value_a),
-    .value_b_o(dense_operands_value_b), .value_c_o(dense_operands_value_c),
-    .value_d_o(dense_operands_value_d)
-  );
-
-  wire [47:0] sum_even, sum_odd;
-  wire [63:0] read_data;
-  edof_macc_array #(.BANKS(4), .DEPTH(64), .ROWS(2), .DENSE(1), .SUM(48), .INIT("stage0_bank")) macc (
-    .clock_i(clock_i), .first_i(step_first), .address_a_i(address), .address_b_i(12'd0),
-    .value_a_i(dense_operands_value_a), .value_b_i(dense_operands_value_b),
-    .value_c_i(dense_operands_value_c), .value_d_i(dense_operands_value_d), .copy_i(drain_copy),
-    .shift_i(drain_take), .sum_even_o(sum_even), .sum_odd_o(sum_odd),
-    .write_enable_i(weights_to_5_delayed[0] && !reset_i), .write_bank_i(weights_to_5_delayed[52:47]),
-    .write_half_i(weights_to_5_delayed[34]), .write_row_i(weights_to_5_delayed[46:35]),
-    .write_data_i(weights_to_5_delayed[33:2]), .read_enable_i(weights_to_5_delayed[1]),
-    .read_data_o(read_data)
-  );
-
   wire read_valid, results_push, base_push;
   wire [31:0] read_thresholds, read_previous, results_data, results_base;
   wire [1:0] results_done, nonzero, result_saturated, code_saturated, difference_saturated;
   results #(
     .SET_ROWS(12'd8), .SHRINKS(1'b1), .PASSES_BASE(1'b0), .THRESHOLDS_DEPTH(16),
-    .INIT("stage0_thresholds.mem"), .CODES_TO_23_CYCLES(3), .RESULT_TO_23_CYCLES(0),
-    .BASE_TO_23_CYCLES(6), .BASE_BITS(48'd0), .LAST_BEAT(7'd31), .BASE_RING_DEPTH(0)
+    .INIT("stage0_thresholds.mem"), .CODE_FLAGS_CYCLES(3), .RESULT_TO_23_CYCLES(0), .BASE_TO_23_CYCLES(6),
+    .BASE_BITS(48'd0), .LAST_BEAT(7'd31), .BASE_RING_DEPTH(0)
   ) results (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[4]), .take_i(marks_to_groups_delayed[0]),
     .beat_i(marks_to_groups_delayed[10:3]), .last_i(marks_to_groups_delayed[1]),
@@ -168,11 +172,11 @@ module stage_i (
   // Bit 0 writes, bit 1 reads.
   wire [52:0] weights_word = {address_2_q, data_2_q, 2'd0};
   wire [52:0] weights_marks = weights_2_q ? 53'd1 : (read_2_q ? 53'd2 : 53'd0);
-  wire [52:0] weights_to_5_data = weights_word | weights_marks;
 
-  wire reset_registers_delayed;
-  edof_delay #(.WIDTH(1), .CYCLES(1)) reset_registers (
-    .clock_i(clock_i), .data_i(reset_i), .data_o(reset_registers_delayed)
+  wire base_fifo_front_valid_unused;
+  edof_fifo #(.WIDTH(32), .DEPTH(128)) base_fifo (
+    .clock_i(clock_i), .reset_i(reset_parts_delayed[5]), .push_i(base_push), .data_i(results_base),
+    .valid_o(base_fifo_front_valid_unused), .ready_i(out_valid_o && out_ready_i), .data_o(out_base_o)
   );
 
   wire skip_zeros;
@@ -182,6 +186,13 @@ module stage_i (
     .shifts_1_o(shifts_1), .skip_zeros_o(skip_zeros)
   );
 
+  wire [31:0] counters_value;
+  counters counters (
+    .clock_i(clock_i), .reset_i(reset_registers_delayed), .enable_i(results_push), .nonzero_i(nonzero),
+    .results_i(result_saturated), .codes_i(code_saturated), .differences_i(difference_saturated),
+    .snapshot_i(snapshot_2_q), .select_i(status_address_i[1:0]), .value_o(counters_value)
+  );
+
   wire [31:0] check_crc;
   wire [7:0] frames;
   frame_check_w32 #(.LAST_BEAT(28'd383)) check (
@@ -189,17 +200,8 @@ module stage_i (
     .data_i(fifo_front_data[33:2]), .snapshot_i(snapshot_2_q), .crc_o(check_crc), .frames_o(frames)
   );
 
-  wire [5:0] reader_bank;
-  wire [31:0] reader_value;
-  reader reader (
-    .clock_i(clock_i), .reset_i(reset_parts_delayed[6]), .starts_i(command_2_q), .command_i(data_2_q),
-    .request_weights_o(request_weights), .grant_i(reads), .bank_o(reader_bank), .row_o(reader_row),
-    .weights_i(read_data), .request_thresholds_o(request_thresholds), .thresholds_valid_i(read_valid),
-    .thresholds_i(read_thresholds), .previous_i(read_previous), .register_i(reader_register),
-    .select_i(status_address_i[1:0]), .value_o(reader_value)
-  );
-
   // Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
+  reg [31:0] reader_register;
   always @* begin
     reader_register = {12'd0, shifts_0};
     if (reader_row[2]) begin
@@ -213,21 +215,19 @@ module stage_i (
     end
   end
 
-  wire [31:0] counters_value;
-  counters counters (
-    .clock_i(clock_i), .reset_i(reset_registers_delayed), .enable_i(results_push), .nonzero_i(nonzero),
-    .results_i(result_saturated), .codes_i(code_saturated), .differences_i(difference_saturated),
-    .snapshot_i(snapshot_2_q), .select_i(status_address_i[1:0]), .value_o(counters_value)
+  wire [5:0] reader_bank;
+  wire [31:0] reader_value;
+  reader reader (
+    .clock_i(clock_i), .reset_i(reset_parts_delayed[6]), .starts_i(command_2_q), .command_i(data_2_q),
+    .request_weights_o(request_weights), .grant_i(reads), .bank_o(reader_bank), .row_o(reader_row),
+    .weights_i(read_data), .request_thresholds_o(request_thresholds), .thresholds_valid_i(read_valid),
+    .thresholds_i(read_thresholds), .previous_i(read_previous), .register_i(reader_register),
+    .select_i(status_address_i[1:0]), .value_o(reader_value)
   );
 
   wire [31:0] read_word = status_address_i[6] ? reader_value : counters_value;
   assign status_o = status_q;
-
-  wire base_fifo_front_valid_unused;
-  edof_fifo #(.WIDTH(32), .DEPTH(128)) base_fifo (
-    .clock_i(clock_i), .reset_i(reset_parts_delayed[5]), .push_i(base_push), .data_i(results_base),
-    .valid_o(base_fifo_front_valid_unused), .ready_i(out_valid_o && out_ready_i), .data_o(out_base_o)
-  );
+  wire [52:0] weights_to_5_data = weights_word | weights_marks;
 
   edof_delay #(.WIDTH(53), .CYCLES(3)) weights_to_5 (
     .clock_i(clock_i), .data_i(weights_to_5_data), .data_o(weights_to_5_delayed)

@@ -6,38 +6,38 @@
 // From crates/edof-hdl/src/blocks/stage.rs (Stage).
 `default_nettype none
 module stage_mf #(
-  parameter [3:0] ID = 4'd3,
-  parameter BOTH_PORTS = 1'b1,
-  parameter HAS_LINEAR = 1'b1,  // A linear path: windows come in, too (F).
-  parameter BANKS = 8,
-  parameter MACC_DEPTH = 640,
-  parameter ROWS = 2,
-  parameter MACC_INIT = "stage3_bank",
-  parameter BASE_FIFO_DEPTH = 0,
-  parameter [5:0] LAST_WINDOW = 6'h1f,
-  parameter [6:0] MAX_WINDOWS = 7'd32,
-  parameter RING_DEPTH = 1024,
-  parameter TWO_ROWS = 1'b1,
-  parameter [7:0] LINEAR_BEFORE_LAST = 8'd31,
-  parameter [11:0] PASS_ROWS = 12'd80,
-  parameter [11:0] SEQUENCER_SET_ROWS = 12'd320,
-  parameter [5:0] LAST_PASS = 6'd3,
-  parameter [7:0] BEFORE_LAST_TAKE = 8'd15,
-  parameter [7:0] RELEASE_AT = 8'd8,
-  parameter [7:0] DRAIN_LAST_BEAT = 8'd63,
-  parameter [7:0] NEEDED_CREDITS = 8'd16,
-  parameter ALIGNS = 1'b1,
-  parameter [11:0] RESULTS_SET_ROWS = 12'd64,
-  parameter SHRINKS = 1'b0,     // Codes are sent (I, M), not results (F).
-  parameter PASSES_BASE = 1'b0, // Base words for the next stage are those that came in.
-  parameter THRESHOLDS_DEPTH = 0,
-  parameter RESULTS_INIT = "",
-  parameter CODES_TO_23_CYCLES = 0,
-  parameter RESULT_TO_23_CYCLES = 6,
-  parameter [47:0] BASE_BITS = 48'd0,
-  parameter BASE_RING_DEPTH = 0,
-  parameter REGISTERS_INIT = "stage3_shifts.mem",
-  parameter [27:0] CHECK_LAST_BEAT = 28'd3071
+  parameter [3:0] ID = 4'd1,
+  parameter BOTH_PORTS = 1'b0,
+  parameter HAS_LINEAR = 1'b0,  // A linear path: windows come in, too (F).
+  parameter BANKS = 2,
+  parameter MACC_DEPTH = 64,
+  parameter ROWS = 1,
+  parameter MACC_INIT = "stage1_bank",
+  parameter BASE_FIFO_DEPTH = 128,
+  parameter TWO_ROWS = 1'b0,
+  parameter ALIGNS = 1'b0,
+  parameter [5:0] LAST_WINDOW = 6'd0,
+  parameter [6:0] MAX_WINDOWS = 7'd0,
+  parameter RING_DEPTH = 0,
+  parameter [7:0] LINEAR_BEFORE_LAST = 8'd0,
+  parameter [11:0] PASS_ROWS = 12'd16,
+  parameter [11:0] SEQUENCER_SET_ROWS = 12'd32,
+  parameter [5:0] LAST_PASS = 6'd1,
+  parameter [7:0] BEFORE_LAST_TAKE = 8'd3,
+  parameter [7:0] RELEASE_AT = 8'd3,
+  parameter [7:0] DRAIN_LAST_BEAT = 8'd7,
+  parameter [7:0] NEEDED_CREDITS = 8'd4,
+  parameter [11:0] RESULTS_SET_ROWS = 12'd8,
+  parameter SHRINKS = 1'b1,     // Codes are sent (I, M), not results (F).
+  parameter PASSES_BASE = 1'b1, // Base words for the next stage are those that came in.
+  parameter THRESHOLDS_DEPTH = 16,
+  parameter RESULTS_INIT = "stage1_thresholds.mem",
+  parameter CODE_FLAGS_CYCLES = 3,
+  parameter RESULT_TO_23_CYCLES = 0,
+  parameter [47:0] BASE_BITS = 48'hffffffffffff,
+  parameter BASE_RING_DEPTH = 1024,
+  parameter REGISTERS_INIT = "stage1_shifts.mem",
+  parameter [27:0] CHECK_LAST_BEAT = 28'd383
 ) (
   input wire clock_i,                // Clock.
   // Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until
@@ -74,12 +74,14 @@ module stage_mf #(
   localparam [11:0] READ_REGISTER = 12'd3;
   localparam [31:0] SKIP_BIT = 32'd1;
 
+  wire [31:0] ring_read_pixels;
+  wire valid_a, valid_b, sequencer_first, linear, sequencer_odd, sequencer_set, finished, release_, drain_copy;
+  wire drain_take, skip_zeros, request_weights, request_thresholds;
   wire [8:0] read_row;
   wire [6:0] sequencer_read_pixels;
-  wire finished, release_, skip_zeros, request_weights, request_thresholds;
+  wire [11:0] sequencer_base, offset, reader_row;
   wire [19:0] shifts_0, shifts_1;
-  wire [11:0] reader_row;
-  reg [31:0] reader_register, status_q, data_1_q, data_2_q;
+  reg [31:0] status_q, data_1_q, data_2_q;
   reg write_1_q, weights_2_q, thresholds_2_q, previous_2_q, registers_2_q, command_2_q, snapshot_2_q, read_2_q;
   reg [24:0] address_1_q;
   reg [18:0] address_2_q;
@@ -93,15 +95,10 @@ module stage_mf #(
     .clock_i(clock_i), .data_i(resets), .data_o(reset_parts_delayed)
   );
 
-  wire ring_ready;
-  wire [31:0] ring_read_pixels;
-  window_ring #(.LAST_WINDOW(LAST_WINDOW), .MAX_WINDOWS(MAX_WINDOWS), .DEPTH(RING_DEPTH)) ring (
-    .clock_i(clock_i), .reset_i(reset_parts_delayed[1]), .valid_i(window_valid_i), .ready_o(ring_ready),
-    .pixels_i(window_data_i), .last_i(window_last_i), .read_pair_i(sequencer_read_pixels),
-    .read_pixels_o(ring_read_pixels), .finished_i(finished)
+  wire reset_registers_delayed;
+  edof_delay #(.WIDTH(1), .CYCLES(1)) reset_registers (
+    .clock_i(clock_i), .data_i(reset_i), .data_o(reset_registers_delayed)
   );
-
-  assign window_ready_o = !HAS_LINEAR || ring_ready;
 
   wire pairs_arrived;
   wire [11:0] pairs_descriptor;
@@ -113,14 +110,33 @@ module stage_mf #(
     .even_pair_o(even_pair), .odd_pair_o(odd_pair), .finished_i(finished)
   );
 
+  wire step_first;
+  wire [11:0] pair_operands_address_a, pair_operands_address_b;
+  wire [24:0] pair_operands_value_a, pair_operands_value_b;
+  pair_operands #(.ALIGNS(ALIGNS), .TWO_ROWS(TWO_ROWS)) pair_operands (
+    .clock_i(clock_i), .valid_a_i(valid_a), .valid_b_i(valid_b), .first_i(sequencer_first),
+    .linear_i(linear), .odd_i(sequencer_odd), .set_i(sequencer_set), .base_i(sequencer_base),
+    .offset_i(offset), .even_pair_i(even_pair), .odd_pair_i(odd_pair), .pixels_i(ring_read_pixels),
+    .shifts_0_i(shifts_0[19:12]), .shifts_1_i(shifts_1[19:12]), .step_first_o(step_first),
+    .address_a_o(pair_operands_address_a), .address_b_o(pair_operands_address_b),
+    .value_a_o(pair_operands_value_a), .value_b_o(pair_operands_value_b)
+  );
+
+  wire ring_ready;
+  window_ring #(.LAST_WINDOW(LAST_WINDOW), .MAX_WINDOWS(MAX_WINDOWS), .DEPTH(RING_DEPTH)) ring (
+    .clock_i(clock_i), .reset_i(reset_parts_delayed[1]), .valid_i(window_valid_i), .ready_o(ring_ready),
+    .pixels_i(window_data_i), .last_i(window_last_i), .read_pair_i(sequencer_read_pixels),
+    .read_pixels_o(ring_read_pixels), .finished_i(finished)
+  );
+
+  assign window_ready_o = !HAS_LINEAR || ring_ready;
   wire selected = write_1_q && (address_1_q[24:21] == ID);
 
   // A row is read back in a cycle without a write, whatever that would write.
   wire reads = request_weights && !write_1_q;
   wire sequencer_steal_next = reads || (BOTH_PORTS && selected && (address_1_q[20:19] == 2'd0));
 
-  wire valid_a, valid_b, sequencer_first, linear, sequencer_odd, sequencer_set, pass_issued;
-  wire [11:0] sequencer_base, offset;
+  wire pass_issued;
   sequencer #(
     .TWO_ROWS(TWO_ROWS), .HAS_LINEAR(HAS_LINEAR), .LINEAR_BEFORE_LAST(LINEAR_BEFORE_LAST), .CODES(12'd16),
     .PASS_ROWS(PASS_ROWS), .SET_ROWS(SEQUENCER_SET_ROWS), .LAST_PASS(LAST_PASS)
@@ -133,8 +149,23 @@ module stage_mf #(
     .pass_issued_o(pass_issued), .finished_o(finished)
   );
 
-  wire drain_copy, drain_take, drain_last, take_set;
+  wire [47:0] sum_even, sum_odd;
+  wire [63:0] read_data;
+  edof_macc_array #(
+    .BANKS(BANKS), .DEPTH(MACC_DEPTH), .ROWS(ROWS), .DENSE(0), .SUM(48), .INIT(MACC_INIT)
+  ) macc (
+    .clock_i(clock_i), .first_i(step_first), .address_a_i(pair_operands_address_a),
+    .address_b_i(pair_operands_address_b), .value_a_i(pair_operands_value_a),
+    .value_b_i(pair_operands_value_b), .value_c_i(25'd0), .value_d_i(25'd0), .copy_i(drain_copy),
+    .shift_i(drain_take), .sum_even_o(sum_even), .sum_odd_o(sum_odd),
+    .write_enable_i(weights_to_5_delayed[0] && !reset_i), .write_bank_i(weights_to_5_delayed[52:47]),
+    .write_half_i(weights_to_5_delayed[34]), .write_row_i(weights_to_5_delayed[46:35]),
+    .write_data_i(weights_to_5_delayed[33:2]), .read_enable_i(weights_to_5_delayed[1]),
+    .read_data_o(read_data)
+  );
+
   wire [7:0] drain_beat;
+  wire drain_last, take_set;
   drain #(
     .BEFORE_LAST_TAKE(BEFORE_LAST_TAKE), .RELEASE_AT(RELEASE_AT), .LAST_BEAT(DRAIN_LAST_BEAT),
     .NEEDED_CREDITS(NEEDED_CREDITS)
@@ -154,39 +185,12 @@ module stage_mf #(
     .clock_i(clock_i), .data_i(marks), .data_o(marks_to_groups_delayed)
   );
 
-  wire step_first;
-  wire [11:0] pair_operands_address_a, pair_operands_address_b;
-  wire [24:0] pair_operands_value_a, pair_operands_value_b;
-  pair_operands #(.ALIGNS(ALIGNS), .TWO_ROWS(TWO_ROWS)) pair_operands (
-    .clock_i(clock_i), .valid_a_i(valid_a), .valid_b_i(valid_b), .first_i(sequencer_first),
-    .linear_i(linear), .odd_i(sequencer_odd), .set_i(sequencer_set), .base_i(sequencer_base),
-    .offset_i(offset), .even_pair_i(even_pair), .odd_pair_i(odd_pair), .pixels_i(ring_read_pixels),
-    .shifts_0_i(shifts_0[19:12]), .shifts_1_i(shifts_1[19:12]), .step_first_o(step_first),
-    .address_a_o(pair_operands_address_a), .address_b_o(pair_operands_address_b),
-    .value_a_o(pair_operands_value_a), .value_b_o(pair_operands_value_b)
-  );
-
-  wire [47:0] sum_even, sum_odd;
-  wire [63:0] read_data;
-  edof_macc_array #(
-    .BANKS(BANKS), .DEPTH(MACC_DEPTH), .ROWS(ROWS), .DENSE(0), .SUM(48), .INIT(MACC_INIT)
-  ) macc (
-    .clock_i(clock_i), .first_i(step_first), .address_a_i(pair_operands_address_a),
-    .address_b_i(pair_operands_address_b), .value_a_i(pair_operands_value_a),
-    .value_b_i(pair_operands_value_b), .value_c_i(25'd0), .value_d_i(25'd0), .copy_i(drain_copy),
-    .shift_i(drain_take), .sum_even_o(sum_even), .sum_odd_o(sum_odd),
-    .write_enable_i(weights_to_5_delayed[0] && !reset_i), .write_bank_i(weights_to_5_delayed[52:47]),
-    .write_half_i(weights_to_5_delayed[34]), .write_row_i(weights_to_5_delayed[46:35]),
-    .write_data_i(weights_to_5_delayed[33:2]), .read_enable_i(weights_to_5_delayed[1]),
-    .read_data_o(read_data)
-  );
-
   wire read_valid, results_push, base_push;
   wire [31:0] read_thresholds, read_previous, results_data, results_base;
   wire [1:0] results_done, nonzero, result_saturated, code_saturated, difference_saturated;
   results #(
     .SET_ROWS(RESULTS_SET_ROWS), .SHRINKS(SHRINKS), .PASSES_BASE(PASSES_BASE),
-    .THRESHOLDS_DEPTH(THRESHOLDS_DEPTH), .INIT(RESULTS_INIT), .CODES_TO_23_CYCLES(CODES_TO_23_CYCLES),
+    .THRESHOLDS_DEPTH(THRESHOLDS_DEPTH), .INIT(RESULTS_INIT), .CODE_FLAGS_CYCLES(CODE_FLAGS_CYCLES),
     .RESULT_TO_23_CYCLES(RESULT_TO_23_CYCLES), .BASE_TO_23_CYCLES(0), .BASE_BITS(BASE_BITS),
     .LAST_BEAT(7'd7), .BASE_RING_DEPTH(BASE_RING_DEPTH)
   ) results (
@@ -218,17 +222,24 @@ module stage_mf #(
   // Bit 0 writes, bit 1 reads.
   wire [52:0] weights_word = {address_2_q, data_2_q, 2'd0};
   wire [52:0] weights_marks = weights_2_q ? 53'd1 : (read_2_q ? 53'd2 : 53'd0);
-  wire [52:0] weights_to_5_data = weights_word | weights_marks;
 
-  wire reset_registers_delayed;
-  edof_delay #(.WIDTH(1), .CYCLES(1)) reset_registers (
-    .clock_i(clock_i), .data_i(reset_i), .data_o(reset_registers_delayed)
+  wire base_fifo_front_valid_unused;
+  edof_fifo #(.WIDTH(32), .DEPTH(BASE_FIFO_DEPTH)) base_fifo (
+    .clock_i(clock_i), .reset_i(reset_parts_delayed[5]), .push_i(base_push), .data_i(results_base),
+    .valid_o(base_fifo_front_valid_unused), .ready_i(out_valid_o && out_ready_i), .data_o(out_base_o)
   );
 
   registers #(.INIT(REGISTERS_INIT)) registers (
     .clock_i(clock_i), .reset_i(reset_registers_delayed), .write_enable_i(registers_2_q),
     .write_row_i(address_2_q[12:1]), .write_data_i(data_2_q), .shifts_0_o(shifts_0),
     .shifts_1_o(shifts_1), .skip_zeros_o(skip_zeros)
+  );
+
+  wire [31:0] counters_value;
+  counters counters (
+    .clock_i(clock_i), .reset_i(reset_registers_delayed), .enable_i(results_push), .nonzero_i(nonzero),
+    .results_i(result_saturated), .codes_i(code_saturated), .differences_i(difference_saturated),
+    .snapshot_i(snapshot_2_q), .select_i(status_address_i[1:0]), .value_o(counters_value)
   );
 
   wire [31:0] check_crc;
@@ -238,17 +249,8 @@ module stage_mf #(
     .data_i(fifo_front_data[33:2]), .snapshot_i(snapshot_2_q), .crc_o(check_crc), .frames_o(frames)
   );
 
-  wire [5:0] reader_bank;
-  wire [31:0] reader_value;
-  reader reader (
-    .clock_i(clock_i), .reset_i(reset_parts_delayed[6]), .starts_i(command_2_q), .command_i(data_2_q),
-    .request_weights_o(request_weights), .grant_i(reads), .bank_o(reader_bank), .row_o(reader_row),
-    .weights_i(read_data), .request_thresholds_o(request_thresholds), .thresholds_valid_i(read_valid),
-    .thresholds_i(read_thresholds), .previous_i(read_previous), .register_i(reader_register),
-    .select_i(status_address_i[1:0]), .value_o(reader_value)
-  );
-
   // Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
+  reg [31:0] reader_register;
   always @* begin
     reader_register = {12'd0, shifts_0};
     if (reader_row[2]) begin
@@ -262,21 +264,19 @@ module stage_mf #(
     end
   end
 
-  wire [31:0] counters_value;
-  counters counters (
-    .clock_i(clock_i), .reset_i(reset_registers_delayed), .enable_i(results_push), .nonzero_i(nonzero),
-    .results_i(result_saturated), .codes_i(code_saturated), .differences_i(difference_saturated),
-    .snapshot_i(snapshot_2_q), .select_i(status_address_i[1:0]), .value_o(counters_value)
+  wire [5:0] reader_bank;
+  wire [31:0] reader_value;
+  reader reader (
+    .clock_i(clock_i), .reset_i(reset_parts_delayed[6]), .starts_i(command_2_q), .command_i(data_2_q),
+    .request_weights_o(request_weights), .grant_i(reads), .bank_o(reader_bank), .row_o(reader_row),
+    .weights_i(read_data), .request_thresholds_o(request_thresholds), .thresholds_valid_i(read_valid),
+    .thresholds_i(read_thresholds), .previous_i(read_previous), .register_i(reader_register),
+    .select_i(status_address_i[1:0]), .value_o(reader_value)
   );
 
   wire [31:0] read_word = status_address_i[6] ? reader_value : counters_value;
   assign status_o = status_q;
-
-  wire base_fifo_front_valid_unused;
-  edof_fifo #(.WIDTH(32), .DEPTH(BASE_FIFO_DEPTH)) base_fifo (
-    .clock_i(clock_i), .reset_i(reset_parts_delayed[5]), .push_i(base_push), .data_i(results_base),
-    .valid_o(base_fifo_front_valid_unused), .ready_i(out_valid_o && out_ready_i), .data_o(out_base_o)
-  );
+  wire [52:0] weights_to_5_data = weights_word | weights_marks;
 
   edof_delay #(.WIDTH(53), .CYCLES(3)) weights_to_5 (
     .clock_i(clock_i), .data_i(weights_to_5_data), .data_o(weights_to_5_delayed)

@@ -6,9 +6,9 @@
 // From crates/edof-hdl/src/blocks/window_ring.rs (WindowRing).
 `default_nettype none
 module window_ring #(
-  parameter [5:0] LAST_WINDOW = 6'h1f,
-  parameter [6:0] MAX_WINDOWS = 7'd32,
-  parameter DEPTH = 1024
+  parameter [5:0] LAST_WINDOW = 6'd0,
+  parameter [6:0] MAX_WINDOWS = 7'd0,
+  parameter DEPTH = 0
 ) (
   input wire clock_i,               // Clock.
   input wire reset_i,               // Empties the memory.
