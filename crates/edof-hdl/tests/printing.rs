@@ -295,10 +295,10 @@ fn names_are_verilog_and_say_what_is_not_used() {
 
   reg [7:0] value_q = 8'd42;
 
-  wire part_start = value_q == FIRST;
   wire [7:0] logic_ = ~value_q;
   wire [7:0] always_o_shifted = value_q >> logic_;
   assign always_o = {4'd0, always_o_shifted[3:0]};
+  wire part_start = value_q == FIRST;
 
   wire part_busy_unused;
   sequencer part (.clock_i(clock_i), .start_i(part_start), .busy_o(part_busy_unused));
