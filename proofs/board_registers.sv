@@ -37,10 +37,10 @@ module prove (
         .table_data_o(table_data), .weight_valid_o(weight_valid), .weight_ready_i(weight_ready_i), .weight_address_o(weight_address),
         .weight_data_o(weight_data)
     );
-    (* hierconn *) wire [31:0] \dut.controls_3_q , \dut.rejected_words_q , \dut.address_q , \dut.word_q ;
+    (* hierconn *) wire [31:0] \dut.host_protection_q , \dut.rejected_words_q , \dut.address_q , \dut.word_q ;
     (* hierconn *) wire [2:0] \dut.phase_q ;
     (* hierconn *) wire \dut.is_waiting_q ;
-    wire [31:0] protection = \dut.controls_3_q ;
+    wire [31:0] protection = \dut.host_protection_q ;
 
     reg started = 0;
     // The access in flight, and its cycles so far without those in which a window waits.

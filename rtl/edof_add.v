@@ -7,7 +7,6 @@
 `endif
 `endif
 `default_nettype none
-
 module edof_add (
     input  wire        clock_i,
     input  wire [47:0] a_i,
@@ -32,5 +31,4 @@ module edof_add (
 
     assign sum_o = sum_q;
 endmodule
-
 `default_nettype wire

@@ -1,6 +1,5 @@
 // The sum of four numbers of 48 bits, four cycles later.
 `default_nettype none
-
 module edof_add4 (
     input  wire         clock_i,
     input  wire [191:0] rows_i,
@@ -12,5 +11,4 @@ module edof_add4 (
     edof_add last (.clock_i(clock_i), .a_i(rows_i[143:96]), .b_i(rows_i[191:144]), .sum_o(last_two));
     edof_add all (.clock_i(clock_i), .a_i(first_two), .b_i(last_two), .sum_o(sum_o));
 endmodule
-
 `default_nettype wire

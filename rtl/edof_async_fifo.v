@@ -4,7 +4,6 @@
 // a word was read. A reset of either side empties both, in any order and with either clock standing still (edof_clear); a word that is
 // offered at the output stays until it is taken or the reader is reset.
 `default_nettype none
-
 module edof_async_fifo #(
     parameter WIDTH = 18,
     parameter LOG_DEPTH = 4
@@ -88,5 +87,4 @@ module edof_async_fifo #(
         .to_clock_i(read_clock_i), .to_reset_i(read_reset_i), .to_open_o(read_open), .to_clear_o(read_clear)
     );
 endmodule
-
 `default_nettype wire

@@ -4,7 +4,6 @@
 // word_o is held until the next word. After a reset of the receiver word_o is 0 until a word arrives. A reset of either side drops a word
 // in flight, in any order and with either clock stopped (edof_clear).
 `default_nettype none
-
 module edof_bus_sync #(
     parameter WIDTH = 32
 ) (
@@ -57,5 +56,4 @@ module edof_bus_sync #(
         .to_clock_i(to_clock_i), .to_reset_i(to_reset_i), .to_open_o(to_open), .to_clear_o(to_clear)
     );
 endmodule
-
 `default_nettype wire

@@ -6,7 +6,6 @@
 // Resets need no overlap and no order, and either clock may stop: the crossing stays closed until both run. It is closed from the first
 // edge after power-up.
 `default_nettype none
-
 module edof_clear (
     input  wire from_clock_i,
     input  wire from_reset_i,
@@ -57,5 +56,4 @@ module edof_clear (
     edof_sync #(.WIDTH(1)) request_sync (.clock_i(from_clock_i), .from_i(request_q), .to_o(request_seen));
     edof_sync #(.WIDTH(1)) ack_sync (.clock_i(from_clock_i), .from_i(ack_q), .to_o(ack_seen));
 endmodule
-
 `default_nettype wire

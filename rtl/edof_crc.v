@@ -2,7 +2,6 @@
 // that it counts, and that it is its frame's first. crc_o is that of all beats from the first one on, valid a cycle after valid_i.
 // The CRC is linear: what a beat adds is made in the cycle before, and each bit is the parity of some bits of the old value.
 `default_nettype none
-
 module edof_crc #(
     parameter WIDTH = 32
 ) (
@@ -53,5 +52,4 @@ module edof_crc #(
 
     assign crc_o = ~crc_q;
 endmodule
-
 `default_nettype wire

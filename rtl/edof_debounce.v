@@ -1,7 +1,6 @@
 // Debounces an asynchronous input such as a push button: level_o follows line_i once line_i has been stable for
 // 2^LOG_CYCLES cycles of clock_i (5.2 ms at 200 MHz). Low at first.
 `default_nettype none
-
 module edof_debounce #(
     parameter LOG_CYCLES = 20
 ) (
@@ -25,5 +24,4 @@ module edof_debounce #(
 
     edof_sync #(.WIDTH(1)) line_sync (.clock_i(clock_i), .from_i(line_i), .to_o(line));
 endmodule
-
 `default_nettype wire

@@ -8,7 +8,6 @@
 `endif
 `endif
 `default_nettype none
-
 module edof_delay #(
     parameter WIDTH = 1,
     parameter CYCLES = 1
@@ -41,5 +40,4 @@ module edof_delay #(
         end
     endgenerate
 endmodule
-
 `default_nettype wire

@@ -11,7 +11,6 @@
 `endif
 `endif
 `default_nettype none
-
 module edof_fifo #(
     parameter WIDTH = 34,
     parameter DEPTH = 128
@@ -69,5 +68,4 @@ module edof_fifo #(
         end
     endgenerate
 endmodule
-
 `default_nettype wire

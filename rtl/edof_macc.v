@@ -2,7 +2,6 @@
 // Three cycles after weight_i and value_i their product is in sum_o; first_i comes a cycle after them. Its register stands before the DSP's
 // operation mode and is free to be the DSP's own (docs/decisions/0035): nothing keeps it.
 `default_nettype none
-
 module edof_macc (
     input  wire               clock_i,
     input  wire               first_i,
@@ -26,5 +25,4 @@ module edof_macc (
 
     assign sum_o = sum_q;
 endmodule
-
 `default_nettype wire

@@ -18,7 +18,6 @@
 `endif
 `endif
 `default_nettype none
-
 module edof_macc_array #(
     parameter BANKS = 4,
     parameter DEPTH = 384,
@@ -234,5 +233,4 @@ module edof_macc_array #(
     edof_add4 even_sum (.clock_i(clock_i), .rows_i(even_rows), .sum_o(sum_even_o));
     edof_add4 odd_sum (.clock_i(clock_i), .rows_i(odd_rows), .sum_o(sum_odd_o));
 endmodule
-
 `default_nettype wire

@@ -26,7 +26,6 @@
 `endif
 `endif
 `default_nettype none
-
 module edof_macc_bank #(
     parameter BANK = 0,
     parameter DEPTH = 384,
@@ -207,5 +206,4 @@ module edof_macc_bank #(
         end
     endgenerate
 endmodule
-
 `default_nettype wire

@@ -7,7 +7,6 @@
 `define EDOF_DIR "./"
 `endif
 `default_nettype none
-
 module edof_memory #(
     parameter WIDTH = 16,
     parameter DEPTH = 1024,
@@ -38,5 +37,4 @@ module edof_memory #(
     end
     always @(posedge clock_i) read_data_o <= read_q;
 endmodule
-
 `default_nettype wire

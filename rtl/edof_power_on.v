@@ -1,6 +1,5 @@
 // Distinguishes the first reset of a domain from later ones: first_o is high from configuration until reset_i falls for the first time.
 `default_nettype none
-
 module edof_power_on (
     input  wire clock_i,
     input  wire reset_i,
@@ -16,5 +15,4 @@ module edof_power_on (
 
     assign first_o = first_q;
 endmodule
-
 `default_nettype wire

@@ -3,7 +3,6 @@
 // pulse_o comes three to four cycles of to_clock_i later; ready_o is high again two to three cycles of from_clock_i after that.
 // A reset of either side drops a pulse that is in flight, in any order and with either clock stopped (edof_clear).
 `default_nettype none
-
 module edof_pulse_sync (
     input  wire from_clock_i,
     input  wire from_reset_i,
@@ -44,5 +43,4 @@ module edof_pulse_sync (
         .to_clock_i(to_clock_i), .to_reset_i(to_reset_i), .to_open_o(to_open), .to_clear_o(to_clear)
     );
 endmodule
-
 `default_nettype wire

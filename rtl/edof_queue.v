@@ -4,7 +4,6 @@
 // space_o is high. After space_o falls, SLACK words may follow, which is enough for SLACK - 2 cycles of latency at one word per cycle. So
 // no stage of the pipeline has to stall, and valid_o and space_o come from registers.
 `default_nettype none
-
 module edof_queue #(
     parameter WIDTH = 32,
     parameter DEPTH = 32,
@@ -53,5 +52,4 @@ module edof_queue #(
     assign valid_o = valid_q;
     assign data_o = front_q;
 endmodule
-
 `default_nettype wire

@@ -9,7 +9,6 @@
 `define EDOF_DIR "./"
 `endif
 `default_nettype none
-
 module edof_ram #(
     parameter WIDTH = 32,
     parameter DEPTH = 64,
@@ -72,5 +71,4 @@ module edof_ram #(
         end
     endgenerate
 endmodule
-
 `default_nettype wire

@@ -3,7 +3,6 @@
 // reset_i may change at any time and be as short as a flip-flop sees. It is caught while the clock stands still; reset_o itself
 // changes with the clock only. It is high from power-up on.
 `default_nettype none
-
 module edof_reset_sync #(
     parameter CYCLES = 64
 ) (
@@ -29,5 +28,4 @@ module edof_reset_sync #(
 
     assign reset_o = held_q[CYCLES-1];
 endmodule
-
 `default_nettype wire

@@ -1,7 +1,6 @@
 // value x factor + addend in one DSP48E1 with all of its registers: the sum stands on the output three cycles after value_i and
 // factor_i, two after addend_i. So a sum can be the addend of the next one, whose value comes two cycles after the value of this one.
 `default_nettype none
-
 module edof_scale (
     input  wire               clock_i,
     input  wire signed [17:0] value_i,
@@ -25,5 +24,4 @@ module edof_scale (
 
     assign sum_o = sum_q;
 endmodule
-
 `default_nettype wire

@@ -5,7 +5,6 @@
 `define EDOF_DIR "./"
 `endif
 `default_nettype none
-
 module edof_start #(
     parameter WIDTH = 20,
     parameter INIT = ""
@@ -50,5 +49,4 @@ module edof_start #(
     assign first_o = first_q;
     assign second_o = second_q;
 endmodule
-
 `default_nettype wire

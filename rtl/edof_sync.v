@@ -5,7 +5,6 @@
 // With EDOF_METASTABLE (simulation) a bit that changes is seen in this cycle or in the next, at random. Where from_i changed more than once
 // in a cycle, the last change alone is in doubt: bits of a Gray code arrive less than a cycle of their own clock apart (set_bus_skew).
 `default_nettype none
-
 module edof_sync #(
     parameter WIDTH = 1
 ) (
@@ -39,5 +38,4 @@ module edof_sync #(
 
     assign to_o = second_q;
 endmodule
-
 `default_nettype wire

@@ -7,7 +7,6 @@
 `define EDOF_DIR "./"
 `endif
 `default_nettype none
-
 module edof_table #(
     parameter WIDTH = 8,
     parameter DEPTH = 1024,
@@ -53,5 +52,4 @@ module edof_table #(
     end
     always @(posedge clock_i) data_o <= data_q;
 endmodule
-
 `default_nettype wire

@@ -40,6 +40,7 @@ mod lint_designs;
 mod memory_loss;
 mod mid_stream;
 mod miscompiles;
+mod named;
 mod netlists;
 mod pins;
 mod planted_faults;

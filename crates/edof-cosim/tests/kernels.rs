@@ -33,7 +33,7 @@ fn lint(emitted: &Emitted) -> String {
 }
 
 /// Compares all three from the second row on; the first resets.
-fn agree(emitted: &Emitted, rows: &[Vec<u128>], want: &[Vec<u128>]) {
+pub fn agree(emitted: &Emitted, rows: &[Vec<u128>], want: &[Vec<u128>]) {
     for simulator in BOTH {
         let found = run(emitted, simulator, rows);
         for (n, (found, want)) in found.iter().zip(want).enumerate().skip(1) {

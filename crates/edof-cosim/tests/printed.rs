@@ -5,12 +5,15 @@ use edof_core::DisplayMode;
 use edof_cosim::system::TableWords;
 use edof_cosim::system::cables::PACE;
 use edof_cosim::tool;
+use edof_device::board::KC705;
+use edof_device::registers::map::REGISTERS;
 use edof_golden::{Curve, Display};
 use edof_hdl::blocks::chain::Chain;
-use edof_hdl::board::{Identity, Kc705Core};
+use edof_hdl::board::{Identity, Kc705Core, Pace};
+use edof_hdl::describe::Circuit;
 use edof_hdl::leaves::LEAVES;
 use edof_hdl::project::spacious;
-use edof_hdl::verilog::{Emitted, Module, emit, emit_literally};
+use edof_hdl::verilog::{EmitError, Emitted, Module, emit, emit_literally};
 use rust_hdl::prelude::Block;
 use std::fs;
 use std::path::Path;
@@ -30,6 +33,28 @@ fn chain(name: &str) -> Chain {
     chain
 }
 
+/// Longer blocks stand once.
+const TWICE: usize = 8;
+
+/// The board of a design, printed in several ways.
+fn board<const N: usize>(
+    name: &str,
+    pace: &Pace,
+    ways: [fn(&dyn Circuit) -> Result<Emitted, EmitError>; N],
+) -> [Emitted; N] {
+    let design = committed(name);
+    let network = edof_device::random::for_design(&design, 1);
+    let display = Display::new(DisplayMode::Colour, Curve::Srgb);
+    spacious(|| {
+        let words = TableWords::of(&display);
+        let tables = words.tables();
+        let identity = Identity { design_hash: 1, weights_hash: 2, frame: (64, 48) };
+        let mut top = Kc705Core::new(&design, [&network, &network], &identity, &tables, pace).unwrap();
+        top.connect_all();
+        ways.map(|way| way(&top).unwrap())
+    })
+}
+
 /// What in a module is not as the style says.
 fn faults(module: &Module) -> Vec<String> {
     let Module { name, text, .. } = module;
@@ -47,7 +72,27 @@ fn faults(module: &Module) -> Vec<String> {
     let twice = |(n, text): (usize, &String)| long[..n].contains(text).then(|| text.clone());
     let twice = long.iter().enumerate().filter_map(twice);
     faults.extend(twice.map(|text| format!("{name}.v: said twice: {text}")));
+    faults.extend(copy(text).map(|line| format!("{name}.v: a block stands twice: {line}")));
     faults
+}
+
+/// The first line of a block that stands twice behind the ports, numbers left aside.
+fn copy(text: &str) -> Option<String> {
+    let body = text.split_once("\n);\n").map_or(text, |(_, body)| body);
+    // Instances of one module are alike.
+    let is_own = |line: &String| !line.is_empty() && !line.starts_with(['.', ')']);
+    let plain: Vec<String> = body.lines().map(without_numbers).filter(is_own).collect();
+    let blocks: Vec<&[String]> = plain.windows(TWICE + 1).collect();
+    let stands_before = |n: usize| blocks[..n.saturating_sub(TWICE)].contains(&blocks[n]);
+    (0..blocks.len()).find(|n| stands_before(*n)).map(|n| blocks[n][0].clone())
+}
+
+fn without_numbers(line: &str) -> String {
+    line.trim()
+        .split(|c: char| c.is_ascii_digit())
+        .filter(|part| !part.is_empty())
+        .collect::<Vec<_>>()
+        .join("#")
 }
 
 /// What stands in the brackets of every `if`, on one line.
@@ -78,6 +123,25 @@ fn every_module_is_printed_in_style() {
     for design in ["tiny", "paper", "kc705"] {
         assert_styled(&emit(&chain(design)).unwrap());
     }
+    let [mut board] = board("kc705", &Pace::of(&KC705), [emit]);
+    // Its two sites of chroma are still alike.
+    board.modules.retain(|module| module.name != "display");
+    assert_styled(&board);
+    let text = |name: &str| &board.modules.iter().find(|module| module.name == name).unwrap().text;
+    for (module, words) in [
+        ("board_registers", "ADDR_INPUT_FRAMES: found_1_q <= input_frames_i;"),
+        ("chip_setup", "localparam [31:0] MILLISECOND = CLOCK_HZ / 1000 - 2;"),
+        ("i2c_master", "localparam [31:0] QUARTER = CLOCK_HZ / 400_000 - 2;"),
+        ("i2c_master", "localparam [31:0] HOLD = CLOCK_HZ / 250;"),
+        ("uart_bus", "localparam [31:0] TIME_OUT = CLOCK_HZ / 10;"),
+        ("video_in", "localparam [31:0] MAX_WAIT = 4 * FRAME_CYCLES;"),
+    ] {
+        assert!(text(module).contains(words), "{module}: {words}");
+    }
+    for (name, register) in REGISTERS.iter().map(|register| (register.name.to_uppercase(), register)) {
+        let words = format!("ADDR_{name} = 6'd{}", register.address / 4);
+        assert!(text("board_registers").contains(&words), "{words}");
+    }
 }
 
 #[test]
@@ -89,6 +153,11 @@ fn lines_arms_and_conditions_out_of_style_are_found() {
     );
     let found = faults(&Module { name: "m".into(), text, source: edof_hdl::verilog::SourceMap::default() });
     assert_eq!(found.len(), 3, "{found:?}");
+    let block =
+        |n: usize| (0..9).map(move |row| format!("word_{n}_q <= line_{}_i;\n", ["a"; 9][..=row].join("")));
+    let copied: String = block(1).chain(block(2)).collect();
+    assert_eq!(copy(&copied).as_deref(), Some("word_#_q <= line_a_i;"));
+    assert_eq!(copy(&copied[..copied.len() - 30]), None);
     assert!(
         found[0].contains("m.v:2") && found[1].contains("m.v:6: 131") && found[2].contains("a_third_one")
     );
@@ -183,17 +252,7 @@ fn what_is_printed_of_kc705_equals_what_the_kernels_say() {
 #[test]
 #[ignore = "minutes: scripts/soak.sh"]
 fn what_is_printed_of_the_board_equals_what_the_kernels_say() {
-    let design = committed("tiny");
-    let network = edof_device::random::for_design(&design, 1);
-    let display = Display::new(DisplayMode::Colour, Curve::Srgb);
-    let (literal, printed) = spacious(|| {
-        let words = TableWords::of(&display);
-        let tables = words.tables();
-        let identity = Identity { design_hash: 1, weights_hash: 2, frame: (64, 48) };
-        let mut top = Kc705Core::new(&design, [&network, &network], &identity, &tables, &PACE).unwrap();
-        top.connect_all();
-        (emit_literally(&top).unwrap(), emit(&top).unwrap())
-    });
+    let [literal, printed] = board("tiny", &PACE, [emit_literally, emit]);
     prove_equal(&literal, &printed);
 }
 

@@ -145,12 +145,12 @@ fn self_check(design: &Design) -> [usize; 2] {
         let (_, text) = source.files.iter_mut().find(|(name, _)| name == "board_registers.v").unwrap();
         for word in remove {
             assert!(text.contains(word), "{word}");
-            let kept = text.lines().filter(|line| !(line.contains("selected_") && line.contains(word)));
+            let kept = text.lines().filter(|line| !(line.contains("found_") && line.contains(word)));
             *text = kept.map(|line| format!("{line}\n")).collect();
         }
         cells(&source)
     };
-    let shown = ["(check_", "(core_cycles_i", "(input_cycles_i", "(screen_cycles_i"];
+    let shown = ["<= check_", "<= core_cycles_i", "<= input_cycles_i", "<= screen_cycles_i"];
     let parts = [
         (3, of(&mut FrameCheck::<16>::new(pixels))),
         (checks, of(&mut FrameCheck::<32>::new(pixels / 2))),

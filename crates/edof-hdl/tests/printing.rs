@@ -75,10 +75,8 @@ const SEQUENCER: &str = "\
 // A pulse starts the count.
 //
 // No output follows an input within the cycle.
-//
 // From crates/edof-hdl/tests/printing.rs (Sequencer).
 `default_nettype none
-
 module sequencer (
   input wire clock_i,
 
@@ -86,9 +84,7 @@ module sequencer (
   output wire busy_o
 );
 
-  localparam [1:0] PHASE_IDLE = 2'd0;
-  localparam [1:0] PHASE_FILL = 2'd1;
-  localparam [1:0] PHASE_DRAIN = 2'd2;
+  localparam [1:0] PHASE_IDLE = 2'd0, PHASE_FILL = 2'd1, PHASE_DRAIN = 2'd2;
 
   reg [1:0] phase_q;
   reg [3:0] count_q;
@@ -108,14 +104,10 @@ module sequencer (
         count_q <= count_q + 4'd1;
         if (last) phase_q <= PHASE_DRAIN;
       end
-      default: begin
-        // Phase::Drain
-        phase_q <= PHASE_IDLE;
-      end
+      default: phase_q <= PHASE_IDLE; // Phase::Drain
     endcase
   end
 endmodule
-
 `default_nettype wire
 ";
 
@@ -246,12 +238,12 @@ fn leaves_are_instances() {
     let mut top = Reader::default();
     assert_eq!(
         body(&mut top),
-        "  wire [15:0] memory_data;
-  reg [3:0] at_q;
+        "  reg [3:0] at_q;
+
+  wire [15:0] memory_data;
+  a_memory #(.DEPTH(16), .INIT(\"mem/a.mem\")) memory (.clock_i(clock_i), .at_i(at_q), .data_o(memory_data));
 
   assign data_o = memory_data[11:4];
-
-  a_memory #(.DEPTH(16), .INIT(\"mem/a.mem\")) memory (.clock_i(clock_i), .at_i(at_q), .data_o(memory_data));
 
   always @(posedge clock_i) begin
     at_q <= at_q + 4'd1;
@@ -302,14 +294,13 @@ fn names_are_verilog_and_say_what_is_not_used() {
         "  localparam [7:0] FIRST = 8'd42;
 
   reg [7:0] value_q = 8'd42;
-  wire part_busy_unused;
 
-  wire part_start = value_q == FIRST;
   wire [7:0] logic_ = ~value_q;
-
   wire [7:0] always_o_shifted = value_q >> logic_;
   assign always_o = {4'd0, always_o_shifted[3:0]};
+  wire part_start = value_q == FIRST;
 
+  wire part_busy_unused;
   sequencer part (.clock_i(clock_i), .start_i(part_start), .busy_o(part_busy_unused));
 
   always @(posedge clock_i) begin
@@ -409,9 +400,10 @@ impl Logic for Chain {
 fn interfaces_are_linked_and_joined() {
     assert_eq!(
         body(&mut Chain::default()),
-        "  wire [7:0] parts_0_to_data;
-  wire parts_0_to_valid, parts_1_from_ready;
+        "  wire parts_1_from_ready;
 
+  wire [7:0] parts_0_to_data;
+  wire parts_0_to_valid;
   pass parts_0 (
     .from_data_i(from_data_i), .from_valid_i(from_valid_i), .from_ready_o(from_ready_o),
     .to_data_o(parts_0_to_data), .to_valid_o(parts_0_to_valid), .to_ready_i(parts_1_from_ready)

@@ -3,6 +3,7 @@
 use crate::fields::Circuit;
 use proc_macro2::TokenStream;
 use quote::quote;
+use syn::Ident;
 
 pub fn tokens(circuit: &Circuit) -> TokenStream {
     let (name, (generics, arguments, clause)) = (circuit.name, circuit.generics.split_for_impl());
@@ -12,6 +13,28 @@ pub fn tokens(circuit: &Circuit) -> TokenStream {
     let said = circuit.hardware().filter(|field| !field.doc.is_empty()).map(|field| {
         let (key, doc) = (field.name.to_string(), field.doc.replace('\n', " "));
         quote!((#key, #doc))
+    });
+    let names = circuit.hardware().filter_map(|field| {
+        let (key, names) = (field.name.to_string(), field.names.as_ref()?);
+        Some(quote!((#key, self.#names.iter().map(::std::string::ToString::to_string).collect())))
+    });
+    let literals = circuit.hardware().filter(|field| field.is_literal).map(|field| field.name.to_string());
+    let signed = circuit.hardware().filter(|field| field.is_signed).map(|field| field.name.to_string());
+    let formulas = circuit.hardware().filter_map(|field| {
+        let (key, formula) = (field.name.to_string(), field.formula.as_ref()?);
+        let text = formula.value();
+        let words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
+        let given = words.filter(|word| word.starts_with(char::is_alphabetic)).map(|word| {
+            let data = Ident::new(&format!("_{}", word.to_lowercase()), formula.span());
+            quote!((#word, ::core::primitive::i128::from(self.#data)))
+        });
+        Some(quote! {
+            ::edof_verilog::describe::Formula {
+                field: #key,
+                text: #formula,
+                given: ::std::vec![#(#given),*],
+            }
+        })
     });
     let role = match &circuit.role {
         Some(field) => quote!(::std::string::ToString::to_string(&self.#field)),
@@ -34,6 +57,10 @@ pub fn tokens(circuit: &Circuit) -> TokenStream {
                     header: #doc,
                     role: #role,
                     fields: &[#(#said),*],
+                    names: ::std::vec![#(#names),*],
+                    literals: &[#(#literals),*],
+                    signed: &[#(#signed),*],
+                    formulas: ::std::vec![#(#formulas),*],
                 };
                 found.block(key, description, |found| {
                     #around

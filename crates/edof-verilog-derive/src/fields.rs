@@ -1,7 +1,8 @@
 //! What the struct says: its fields, their documentation, and which of them start by themselves.
 
 use syn::{
-    Attribute, Data, DeriveInput, Expr, ExprLit, Field, Fields, Generics, Ident, Lit, Meta, Type, Visibility,
+    Attribute, Data, DeriveInput, Expr, ExprLit, Field, Fields, Generics, Ident, Lit, LitStr, Meta, Type,
+    Visibility,
 };
 
 /// Types that have a start value wherever they stand. Ports, the public fields, always have one: signals, or bundles of signals.
@@ -35,6 +36,14 @@ pub struct Part<'a> {
     pub start: Start,
     /// The value after a reset, where the field says one.
     pub reset: Option<Expr>,
+    /// The field with the names of the elements, for an array that has them.
+    pub names: Option<Ident>,
+    /// A constant that is printed as its value.
+    pub is_literal: bool,
+    /// A constant of unsigned type that is two's complement.
+    pub is_signed: bool,
+    /// What a constant is calculated from.
+    pub formula: Option<LitStr>,
 }
 
 /// How a field gets its first value.
@@ -60,7 +69,23 @@ impl<'a> Circuit<'a> {
             let is_port = !is_data && !is_list && matches!(field.vis, Visibility::Public(_));
             let start = said.start(is_port, &field.ty);
             let reset = reset_of(field, said.registers.as_ref())?;
-            Ok(Part { name, ty: &field.ty, doc: documentation(&field.attrs), is_data, start, reset })
+            let names = attribute(field, "names").map(Attribute::parse_args).transpose()?;
+            let is_literal = attribute(field, "literal").is_some();
+            let is_signed = attribute(field, "signed").is_some();
+            let formula = attribute(field, "formula").map(Attribute::parse_args).transpose()?;
+            let doc = documentation(&field.attrs);
+            Ok(Part {
+                name,
+                ty: &field.ty,
+                doc,
+                is_data,
+                start,
+                reset,
+                names,
+                is_literal,
+                is_signed,
+                formula,
+            })
         };
         let fields = named.named.iter().map(part).collect::<syn::Result<_>>()?;
         let doc = documentation(&input.attrs);
@@ -87,11 +112,14 @@ fn is_register(ty: &Type) -> bool {
     last_name(ty).is_some_and(|name| name == "DFF" || name == "DFFWithInit")
 }
 
+/// The field's attribute of this name.
+fn attribute<'f>(field: &'f Field, name: &str) -> Option<&'f Attribute> {
+    field.attrs.iter().find(|attribute| attribute.path().is_ident(name))
+}
+
 /// The value of a field's `#[reset(value)]`.
 fn reset_of(field: &Field, registers: Option<&Registers>) -> syn::Result<Option<Expr>> {
-    let Some(attribute) = field.attrs.iter().find(|attribute| attribute.path().is_ident("reset")) else {
-        return Ok(None);
-    };
+    let Some(attribute) = attribute(field, "reset") else { return Ok(None) };
     if !is_register(&field.ty) || registers.is_none_or(|registers| registers.reset.is_none()) {
         let missing = "`reset` is for registers of a struct with `#[circuit(registers(clock, reset))]`";
         return Err(syn::Error::new_spanned(attribute, missing));

@@ -73,14 +73,12 @@ impl Text {
         Self { first: line(body.span()), lines: text.lines().map(String::from).collect() }
     }
 
-    /// `@ src/uart.rs:143 What the step reads.`: the comment right above the statement, or that of its paragraph.
+    /// `@ src/uart.rs:143 What the step reads.`: the comment right above the statement.
     fn mark(&self, statement: Span) -> String {
         let at = line(statement);
         let above = &self.lines[..at.saturating_sub(self.first).min(self.lines.len())];
         let indent = " ".repeat(statement.unwrap().start().column() - 1);
-        let paragraph = above.iter().rev().take_while(|line| !line.trim().is_empty());
-        let paragraph = paragraph.skip_while(|line| comment_of(line, &indent).is_none());
-        let mut comment: Vec<&str> = paragraph.map_while(|line| comment_of(line, &indent)).collect();
+        let mut comment: Vec<&str> = above.iter().rev().map_while(|line| comment_of(line, &indent)).collect();
         comment.reverse();
         // Quotes and braces mean something in a format string.
         let comment = comment.join(" ").replace(['"', '{', '}', '\\'], "'");

@@ -37,7 +37,14 @@ use syn::{DeriveInput, parse_macro_input};
 /// value unless the kernel assigns another one, so that the kernel needs no `dff_setup!`. With `#[circuit(registers(clock, reset))]`
 /// a field's `#[reset(value)]` is its value after a cycle of `reset`, whatever the kernel says. The value is a number, a constant of the
 /// block or an expression: `#[reset(0)]`, `#[reset(false)]`, `#[reset(all_credits)]`, `#[reset(State::Idle)]`.
-#[proc_macro_derive(Circuit, attributes(circuit, reset))]
+///
+/// `#[names(_names)]` on an array says which data field has the names of its elements: element 8 of `at` is `at_status` in Verilog
+/// if that is the ninth name, and of constants `addr` it is `ADDR_STATUS`. Constants with `#[literal]` are printed as their values,
+/// those with `#[signed]` as two's complement.
+///
+/// `#[formula("CLOCK_HZ / 10")]` on a constant prints what it is calculated from, with the value of the data field `_clock_hz`, if the result is
+/// the constant's value.
+#[proc_macro_derive(Circuit, attributes(circuit, reset, names, literal, signed, formula))]
 pub fn derive_circuit(input: TokenStream) -> TokenStream {
     let input = parse_macro_input!(input as DeriveInput);
     fields::Circuit::read(&input)

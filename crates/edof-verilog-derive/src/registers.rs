@@ -16,7 +16,7 @@ pub fn tokens(circuit: &Circuit) -> TokenStream {
         quote!(self.#name.d.next = #value;)
     });
     let at = clock.span().unwrap();
-    let mark = format!("@ {}:{} Reset.", at.file(), at.start().line());
+    let mark = format!("@ {}:{}", at.file(), at.start().line());
     let reset = reset.as_ref().map(|reset| {
         quote! {
             assert!(true, #mark);

@@ -54,6 +54,25 @@ pub struct Description {
     pub role: String,
     /// Fields that have documentation, and it, in one line each.
     pub fields: &'static [(&'static str, &'static str)],
+    /// Arrays whose elements have names, and these.
+    pub names: Vec<(&'static str, Vec<String>)>,
+    /// Constants that are printed as their values.
+    pub literals: &'static [&'static str],
+    /// Constants of unsigned type that are two's complement.
+    pub signed: &'static [&'static str],
+    /// Constants that are calculated.
+    pub formulas: Vec<Formula>,
+}
+
+/// What a constant is calculated from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Formula {
+    /// Field of the constant.
+    pub field: &'static str,
+    /// Arithmetic of whole numbers and names, for instance `CLOCK_HZ / 10`.
+    pub text: &'static str,
+    /// The names in it, and their values.
+    pub given: Vec<(&'static str, i128)>,
 }
 
 impl Description {
@@ -61,6 +80,14 @@ impl Description {
     #[must_use]
     pub fn of(&self, field: &str) -> Option<&'static str> {
         self.fields.iter().find(|(name, _)| *name == field).map(|(_, comment)| *comment)
+    }
+
+    /// The name of an array's element, for the key `at$8` for instance `status`, and what follows in the key.
+    pub(crate) fn element<'d>(&'d self, key: &'d str) -> Option<(&'d str, &'d str, &'d str)> {
+        let (field, rest) = key.split_once('$')?;
+        let (number, rest) = rest.split_at(rest.find('$').unwrap_or(rest.len()));
+        let (_, names) = self.names.iter().find(|(name, _)| *name == field)?;
+        Some((field, names.get(number.parse::<usize>().ok()?)?.as_str(), rest))
     }
 }
 

@@ -6,6 +6,7 @@ use rust_hdl::prelude::Verilog;
 
 use crate::arrays::{self, Array, Pin, count_name};
 use crate::collect::Tree;
+use crate::constants::{INTEGER, formula};
 use crate::cycles::{self, Path};
 use crate::describe::Description;
 use crate::error::{EmitError, Fault, rust_path};
@@ -19,6 +20,7 @@ use crate::quiet::quieten;
 use crate::scope::{Part, Role, Scope, SignalId};
 use crate::sheet::Sheet;
 use crate::single::{plain, single_elements};
+use crate::text::range;
 use crate::value::Value;
 use crate::wiring::Wiring;
 use crate::write::Writer;
@@ -54,7 +56,7 @@ pub(crate) fn draft(
     let mut scope = Scope::of(tree)?;
     let statements = kernel::lower(&scope, kernel)?;
     flow::check(&scope, &statements)?;
-    let source = source_of(&statements).unwrap_or_else(|| description.source.into());
+    let source = in_workspace(&source_of(&statements).unwrap_or_else(|| description.source.into()));
     let paths = paths_of_parts(&scope, kinds);
     let Logic { blocks, processes } = Logic::of(&mut scope, statements, &paths, style)?;
     let (processes, live) = live::prune(&scope, processes, &dropped(&scope, kinds));
@@ -67,15 +69,21 @@ pub(crate) fn draft(
     if style == Style::Readable {
         wired.processes = blocks::join(&scope, wired.processes, &blocks, &edges);
     }
-    wired.processes = order::order(&scope, wired.processes, &wired.resolved, &reads);
+    let placed = placed(&scope, kinds, &wired.arrays);
+    let order = order::order(&scope, &wired.processes, &placed, &wired.resolved);
     let mut names = Names::default();
     let has_port = |id: SignalId| is_top || scope.signals[id].role != Role::Input || live.contains(&id);
     let ports_of: Vec<SignalId> = (0..scope.signals.len())
         .filter(|id| matches!(scope.signals[*id].role, Role::Input | Role::Output) && has_port(*id))
         .collect();
     let single = single_elements(tree, &scope);
-    let signal_names = name_signals(&scope, kinds, &single, &ports_of, &reads, &wired.arrays, &mut names);
-    let file = source.rsplit('/').next().unwrap_or_default();
+    let plain_key = |key: &str| match description.element(key) {
+        Some((field, name, rest)) => format!("{field}_{name}{rest}"),
+        None => plain(key, &single).into_owned(),
+    };
+    let mut signal_names =
+        name_signals(&scope, kinds, &plain_key, &ports_of, &reads, &wired.arrays, &mut names);
+    select_formulas(&scope, description, &mut signal_names);
     let writer = Writer {
         tree,
         scope: &scope,
@@ -85,11 +93,11 @@ pub(crate) fn draft(
         processes: &wired.processes,
         arrays: &wired.arrays,
         ports: &ports_of,
-        reads: &reads,
+        order: &order,
         paths: &paths,
         single: &single,
         kinds,
-        printer: Printer::new(&scope, &wired.resolved, &signal_names, &mut names, file),
+        printer: Printer::new(&scope, &wired.resolved, &signal_names, &mut names),
         declared: 0,
     };
     let (sheet, values, instances) = writer.sheet()?;
@@ -182,6 +190,11 @@ fn source_of(statements: &[Statement]) -> Option<String> {
     })
 }
 
+/// A source as its own workspace names it. For a crate of another workspace, as Python's extension is, the compiler states where it lies on this machine.
+fn in_workspace(source: &str) -> String {
+    source.rsplit_once("/crates/").map_or_else(|| source.to_owned(), |(_, rest)| format!("crates/{rest}"))
+}
+
 /// Inputs of parts whose module does not read them.
 fn dropped(scope: &Scope, kinds: &[Option<Kind>]) -> BTreeSet<SignalId> {
     let of_part = |part: &Part| -> Vec<SignalId> {
@@ -193,6 +206,24 @@ fn dropped(scope: &Scope, kinds: &[Option<Kind>]) -> BTreeSet<SignalId> {
         inputs.filter(|id| !pins.contains(id) && scope.signals[*id].role == Role::PartInput).collect()
     };
     scope.parts.iter().flat_map(of_part).collect()
+}
+
+/// The instances, loops of them by their first, and the signals at their pins; wires of loops are declared elsewhere.
+fn placed(scope: &Scope, kinds: &[Option<Kind>], arrays: &[Array]) -> Vec<(usize, Vec<SignalId>)> {
+    let pins = |n: usize| -> Vec<SignalId> {
+        let part = &scope.parts[n];
+        let pins = kinds[part.index].as_ref().map_or(vec![], |kind| pins_of(part, kind));
+        pins.into_iter().map(|pin| pin.1).collect()
+    };
+    let is_input = |id: &SignalId| scope.signals[*id].role == Role::PartInput;
+    let placed = |n: usize| match arrays.iter().find(|array| array.parts.contains(&n)) {
+        None => kinds[scope.parts[n].index].is_some().then(|| (n, pins(n))),
+        Some(array) if array.parts[0] == n => {
+            Some((n, array.parts.iter().flat_map(|part| pins(*part)).filter(is_input).collect()))
+        }
+        Some(_) => None,
+    };
+    (0..scope.parts.len()).filter_map(placed).collect()
 }
 
 /// Which outputs of parts follow which of their inputs within a cycle.
@@ -227,7 +258,7 @@ fn what(hdl: &Verilog) -> &'static str {
 fn name_signals(
     scope: &Scope,
     kinds: &[Option<Kind>],
-    single: &[String],
+    plain_key: &dyn Fn(&str) -> String,
     ports: &[SignalId],
     reads: &BTreeSet<SignalId>,
     arrays: &[Array],
@@ -239,8 +270,7 @@ fn name_signals(
     let mut name = |wanted: &dyn Fn(SignalId, &str, &Role) -> Option<String>| {
         for (id, signal) in scope.signals.iter().enumerate() {
             // Ports keep their numbers, so that readers need not count them.
-            let key =
-                if ports.contains(&id) { signal.key.as_str().into() } else { plain(&signal.key, single) };
+            let key = if ports.contains(&id) { signal.key.clone() } else { plain_key(&signal.key) };
             if let Some(wanted) = wanted(id, &key, &signal.role) {
                 given[id] = names.take(&wanted);
             }
@@ -255,10 +285,10 @@ fn name_signals(
         let field = key.strip_suffix(port).unwrap_or(key);
         field.strip_suffix("_q").unwrap_or(field).to_string()
     };
-    name(&|_, key, role| match role {
+    name(&|id, key, role| match role {
         Role::Register => Some(field(key, "$q") + "_q"),
         Role::Next => Some(field(key, "$d") + "_d"),
-        Role::Constant(_) => Some(key.to_uppercase()),
+        Role::Constant(_) if scope.fixed(id).is_none() => Some(key.to_uppercase()),
         Role::Local => Some(key.into()),
         _ => None,
     });
@@ -272,6 +302,18 @@ fn name_signals(
     });
     in_array.into_iter().for_each(|(id, name)| given[id] = name);
     given
+}
+
+/// A constant with a formula is a whole number, of which as many bits are read as the constant has.
+fn select_formulas(scope: &Scope, description: &Description, names: &mut [String]) {
+    for (signal, name) in scope.signals.iter().zip(names) {
+        if let Role::Constant(digits) = &signal.role
+            && signal.ty.bits < INTEGER
+            && formula(description, &signal.key, digits).is_some()
+        {
+            *name += &range(0, signal.ty.bits);
+        }
+    }
 }
 
 /// Outputs of parts that are called as their port is, because no other signal is: a name of several words, or a long one.

@@ -3,25 +3,19 @@
 use crate::arrays::{Array, Pin, array_name, count_name};
 use crate::expression::Expression;
 use crate::kind::{Kind, pins_of, split_number};
-use crate::sheet::{Constant, Instance, LeafParameter, Of, Turns};
+use crate::sheet::{Constant, Instance, LeafParameter, Of, Turns, Written};
 use crate::single::plain;
 use crate::types::Type;
 use crate::value::{Value, of_type};
 use crate::write::Writer;
 
 impl Writer<'_> {
-    pub fn parts(&mut self) -> Vec<Written> {
-        let mut written = vec![];
-        for (n, part) in self.scope.parts.iter().enumerate() {
-            let array = self.arrays.iter().find(|array| array.parts.contains(&n));
-            match array {
-                Some(array) if array.parts[0] == n => written.push(self.array(array)),
-                Some(_) => {}
-                None if self.kinds[part.index].is_some() => written.push(self.instance(n)),
-                None => {}
-            }
+    /// An instance, or a loop of them by its first.
+    pub fn part(&mut self, n: usize) -> Written {
+        match self.arrays.iter().find(|array| array.parts[0] == n) {
+            Some(array) => self.array(array),
+            None => self.instance(n),
         }
-        written
     }
 
     fn instance(&mut self, n: usize) -> Written {
@@ -98,17 +92,6 @@ impl Writer<'_> {
             of: part.index,
         }
     }
-}
-
-/// An instance and what belongs to it.
-pub(crate) struct Written {
-    pub instance: Instance,
-    /// Values of the leaf's parameters.
-    pub values: Vec<Value>,
-    /// How often the loop turns.
-    pub count: Option<(Constant, Value)>,
-    /// Index of the tree's part.
-    pub of: usize,
 }
 
 /// A leaf's parameters and their values; for an array `last` is its last part, which shows what is numbered, and the name of the digits.

@@ -27,13 +27,18 @@ pub(crate) struct Note {
     /// The Rust file, and the line in it.
     pub file: String,
     pub line: Option<usize>,
-    /// What its comment says, or that of the paragraph.
+    /// What its comment says.
     pub text: String,
     /// The text is a statement of its own, not a comment.
     is_own: bool,
 }
 
 impl Note {
+    /// The label that a last arm has in Rust.
+    pub fn label(&self) -> Option<&str> {
+        (self.is_own && !self.text.contains('\n')).then_some(self.text.as_str())
+    }
+
     fn own(text: &str) -> Self {
         let lines = text.trim().trim_matches('"').lines().map(str::trim);
         Self { file: String::new(), line: None, text: lines.collect::<Vec<_>>().join("\n"), is_own: true }
@@ -96,7 +101,9 @@ fn each_with_its_line(statements: Vec<Statement>) -> Vec<Statement> {
     let mut all: Vec<Statement> = vec![];
     for statement in statements {
         match &statement {
-            Statement::Comment(note) => known = Some(note.clone()).filter(|note| note.line.is_some()),
+            Statement::Comment(note) => {
+                known = note.line.map(|_| Note { text: String::new(), ..note.clone() });
+            }
             _ if matches!(all.last(), Some(Statement::Comment(_))) => {}
             _ => all.extend(known.clone().map(Statement::Comment)),
         }

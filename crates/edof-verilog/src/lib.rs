@@ -11,13 +11,13 @@
 //! | type | `typing` | [expressions](self) in which every operand has its width and sign |
 //! | lower | `kernel` | typed statements, loops unrolled |
 //! | check | `flow` | no latch, nothing read before it is written, nothing left open |
-//! | tidy | `tidy` | comparisons and chains of `if` in the form that people write |
+//! | tidy | `tidy`, `cases` | comparisons and chains of `if` in the form that people write |
 //! | split | `edge`, `settle`, `process`, `cycles` | what registers take at the clock's edge, and a process for each other target; no loop without a register |
 //! | separate | `domains` | nothing from one clock domain to another but by a leaf that is declared a crossing |
 //! | shorten | `simplify`, `live` | one assignment where it says all; nothing that leads nowhere |
 //! | join | `blocks` | one `always @*` for a block of the kernel, where that looks like no loop |
 //! | connect | `wiring`, `arrays` | signals that need no wire of their own; loops over equal parts |
-//! | write | `draft`, `write`, `instances`, `statements`, `print`, `text` | a sheet: all of a module but what it is given |
+//! | write | `draft`, `write`, `header`, `constants`, `instances`, `statements`, `print`, `text` | a sheet: all of a module but what it is given |
 //! | share | `parameters`, `interface` | which values are parameters, because they differ from place to place |
 //! | put together | `sheet`, `layout` | the text of a module, no line too long |
 //!
@@ -33,6 +33,7 @@
 
 mod arrays;
 mod blocks;
+mod cases;
 // So that `#[derive(Circuit)]` can name this crate from within, too.
 extern crate self as edof_verilog;
 
@@ -40,6 +41,7 @@ pub mod describe;
 pub mod leaf;
 
 mod collect;
+mod constants;
 mod cycles;
 mod domains;
 mod draft;
@@ -47,6 +49,7 @@ mod edge;
 mod error;
 mod expression;
 mod flow;
+mod header;
 mod instances;
 mod interface;
 mod kernel;

@@ -33,7 +33,7 @@ pub(crate) struct Printer<'a> {
     /// Constants that the text names, and what for.
     pub constants: BTreeMap<SignalId, Use>,
     /// States that the text names, and their names.
-    pub states: BTreeMap<(String, usize), (String, State)>,
+    pub states: BTreeMap<(String, usize, String), (String, State)>,
     pub between: Vec<Between>,
     known: HashMap<(Type, String), usize>,
     /// Targets of the current process, its values in between, and those that the next statement needs.
@@ -43,12 +43,10 @@ pub(crate) struct Printer<'a> {
     pub subject: String,
     /// Registers are assigned themselves.
     pub at_edge: bool,
-    /// Name of the Rust file, and the line of the current text.
-    pub file: &'a str,
+    /// The Rust line of the current text.
     pub line: Option<usize>,
-    /// A paragraph begins, and what was said last.
-    pub starts: bool,
-    pub said: String,
+    /// Comments that stand already, each with its Rust line.
+    pub said: BTreeSet<(usize, String)>,
     /// Purpose of the current number.
     number: Use,
 }
@@ -59,7 +57,6 @@ impl<'a> Printer<'a> {
         resolved: &'a [Expression],
         signal_names: &'a [String],
         names: &'a mut Names,
-        file: &'a str,
     ) -> Self {
         Self {
             scope,
@@ -75,10 +72,8 @@ impl<'a> Printer<'a> {
             pending: vec![],
             subject: String::new(),
             at_edge: false,
-            file,
             line: None,
-            starts: true,
-            said: String::new(),
+            said: BTreeSet::new(),
             number: Use::Value,
         }
     }
@@ -216,7 +211,7 @@ impl<'a> Printer<'a> {
     }
 
     pub fn state(&mut self, state: &State) -> String {
-        let key = (state.label.0.clone(), state.value);
+        let key = (state.label.0.clone(), state.value, state.label.1.clone());
         if let Some((name, _)) = self.states.get(&key) {
             return name.clone();
         }

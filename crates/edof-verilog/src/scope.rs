@@ -73,6 +73,14 @@ pub(crate) struct State {
     pub of: usize,
 }
 
+/// What a constant is printed as, other than by the name of its field.
+#[derive(Debug)]
+pub(crate) enum Fixed {
+    Number(i128),
+    /// An element of an array whose elements have names.
+    Named(State),
+}
+
 /// Everything that has a name in a kernel.
 #[derive(Debug, Default)]
 pub(crate) struct Scope {
@@ -80,6 +88,8 @@ pub(crate) struct Scope {
     pub signals: Vec<Signal>,
     pub registers: Vec<Register>,
     pub parts: Vec<Part>,
+    /// Constants that are printed as their values, or as named ones.
+    literals: HashMap<SignalId, Fixed>,
     ids: HashMap<String, SignalId>,
     states: BTreeMap<String, State>,
 }
@@ -103,7 +113,10 @@ impl Scope {
                 AtomKind::Constant => Role::Constant(wire.value.clone()),
                 _ => return Err(EmitError::field(&tree.path, &wire.key, Fault::InOut)),
             };
-            scope.add(wire.key.clone(), wire, role)?;
+            let id = scope.add(wire.key.clone(), wire, role)?;
+            if let Some(literal) = literal(tree, wire) {
+                scope.literals.insert(id, literal);
+            }
         }
         for (index, part) in tree.parts.iter().enumerate() {
             let start = part.start_value();
@@ -175,6 +188,11 @@ impl Scope {
         }
     }
 
+    /// What a constant is printed as, if not by the name of its field.
+    pub fn fixed(&self, id: SignalId) -> Option<&Fixed> {
+        self.literals.get(&id)
+    }
+
     /// What a name means where the loop variables have these values.
     pub fn meaning(&self, name: &str, loops: &[(String, i128)]) -> Result<Meaning<'_>, Fault> {
         if let Some((_, value)) = loops.iter().rev().find(|(variable, _)| variable == name) {
@@ -189,6 +207,18 @@ impl Scope {
         let state = starts.into_iter().find_map(|start| self.states.get(&key[start..]));
         state.map(Meaning::State).ok_or_else(|| Fault::Unknown(crate::error::rust_path(&key)))
     }
+}
+
+/// What stands for a constant that the block wants as its value, or that has a name of its own.
+fn literal(tree: &Tree, wire: &Wire) -> Option<Fixed> {
+    let description = tree.description.as_ref().filter(|_| wire.kind == AtomKind::Constant)?;
+    let value = i128::from_str_radix(&wire.value, 16).ok().filter(|_| wire.ty.bits < 100)?;
+    let field = wire.key.split('$').next().unwrap_or_default();
+    if let Some((field, name, _)) = description.element(&wire.key) {
+        let (label, value) = ((field.into(), name.into()), usize::try_from(value).ok()?);
+        return Some(Fixed::Named(State { label, value, bits: wire.ty.bits, of: usize::MAX }));
+    }
+    description.literals.contains(&field).then_some(Fixed::Number(value))
 }
 
 /// `banks[i+1]$data$next` as `banks$4$data`.

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use crate::interface::Interface;
 use crate::layout::{WIDTH, commented as wrapped, lay_out};
+use crate::value::Value;
 
 /// What equal modules share. Two blocks with equal sheets are one module; where their values differ it has parameters.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -18,14 +19,27 @@ pub(crate) struct Sheet {
     pub ports: Vec<(String, String)>,
     /// Slots that the text names: constants, then how often loops turn.
     pub constants: Vec<Constant>,
+    /// Constants that are calculated, and their formulas.
+    pub derived: Vec<(Constant, &'static str)>,
     /// States of enums.
     pub states: Vec<String>,
     pub signals: Vec<String>,
-    /// Paragraphs: runs of assignments, blocks.
-    pub logic: Vec<Vec<String>>,
+    /// Runs of assignments, blocks, instances.
+    pub logic: Vec<Paragraph>,
     pub instances: Vec<Instance>,
     /// Paragraphs after the instances: blocks of registers.
     pub clocked: Vec<Vec<String>>,
+}
+
+/// A part of the text with an empty line above it.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) enum Paragraph {
+    Lines(Vec<String>),
+    /// An instance by its number, and the declarations above it.
+    Instance {
+        number: usize,
+        above: Vec<String>,
+    },
 }
 
 /// A constant that the text names.
@@ -35,6 +49,26 @@ pub(crate) struct Constant {
     /// `[11:0] `.
     pub of_type: String,
     pub comment: String,
+}
+
+/// The constants that the text names.
+#[derive(Default)]
+pub(crate) struct Constants {
+    pub constants: Vec<Constant>,
+    pub values: Vec<Value>,
+    /// Those that are calculated from others, and the formulas.
+    pub derived: Vec<(Constant, &'static str)>,
+}
+
+/// An instance and what belongs to it.
+pub(crate) struct Written {
+    pub instance: Instance,
+    /// Values of the leaf's parameters.
+    pub values: Vec<Value>,
+    /// How often the loop turns.
+    pub count: Option<(Constant, Value)>,
+    /// Index of the tree's part.
+    pub of: usize,
 }
 
 /// An instance, or a loop of them.
@@ -87,7 +121,7 @@ impl Sheet {
         interface: &Interface,
         module: &dyn Fn(usize) -> String,
     ) -> (String, Vec<Option<usize>>) {
-        let mut text = self.header.clone() + &format!("`default_nettype none\n\nmodule {name} ");
+        let mut text = self.header.clone() + &format!("`default_nettype none\nmodule {name} ");
         if !interface.parameters.is_empty() {
             let lines: Vec<(String, String)> = (interface.parameters.iter())
                 .map(|parameter| (parameter.declaration(), parameter.comment.clone()))
@@ -95,25 +129,27 @@ impl Sheet {
             text += &format!("#(\n{}) ", list(&lines));
         }
         text += &format!("(\n{});\n", list(&self.ports));
-        let fixed = self.constants.iter().zip(&interface.slots).filter(|(_, slot)| !slot.is_parameter);
-        let constants: Vec<(String, String)> = fixed
-            .map(|(constant, slot)| {
-                let Constant { name, of_type, comment } = constant;
-                (format!("localparam {of_type}{name} = {};", slot.text), comment.clone())
-            })
-            .collect();
-        let mut constants = commented(&constants);
+        let mut constants = self.fixed(interface);
         constants.extend(self.states.iter().cloned());
-        let instances = self.instances.iter().enumerate();
         let mut written: Vec<Vec<String>> = vec![];
-        for lines in instances.map(|(n, instance)| self.instance(n, instance, interface, module)) {
+        let mut is_open = false;
+        for paragraph in &self.logic {
+            let (lines, is_instance) = match paragraph {
+                Paragraph::Lines(lines) => (lines.clone(), false),
+                Paragraph::Instance { number, above } => {
+                    let instance = self.instance(*number, &self.instances[*number], interface, module);
+                    ([above.clone(), instance].concat(), true)
+                }
+            };
+            let is_row = is_instance && is_short(&lines);
             match written.last_mut() {
-                Some(last) if is_short(&lines) && is_short(last) => last.extend(lines),
+                Some(last) if is_row && is_open => last.extend(lines),
                 _ => written.push(lines),
             }
+            is_open = is_row;
         }
-        let paragraphs = [constants, self.signals.clone()].into_iter().chain(self.logic.iter().cloned());
-        let all = paragraphs.chain(written).chain(self.clocked.iter().cloned());
+        let paragraphs = [constants, self.signals.clone()].into_iter().chain(written);
+        let all = paragraphs.chain(self.clocked.iter().cloned());
         for lines in all.filter(|lines| !lines.is_empty()) {
             text.push('\n');
             for line in lines {
@@ -122,7 +158,33 @@ impl Sheet {
                 let _ = writeln!(text, "{indent}{line}");
             }
         }
-        lay_out(&(text + "endmodule\n\n`default_nettype wire\n"))
+        lay_out(&(text + "endmodule\n`default_nettype wire\n"))
+    }
+
+    /// Declarations of the constants that are no parameters. Those of one type that need no comment share a line.
+    fn fixed(&self, interface: &Interface) -> Vec<String> {
+        let mut lines: Vec<(String, String)> = vec![];
+        let mut shared = "";
+        for (constant, slot) in self.constants.iter().zip(&interface.slots) {
+            let Constant { name, of_type, comment } = constant;
+            if slot.is_parameter {
+                continue;
+            }
+            let value = format!("{name} = {}", slot.text);
+            match lines.last_mut() {
+                Some((line, said)) if said.is_empty() && comment.is_empty() && shared == of_type => {
+                    line.pop();
+                    *line += &format!(", {value};");
+                }
+                _ => lines.push((format!("localparam {of_type}{value};"), comment.clone())),
+            }
+            shared = of_type;
+        }
+        lines.extend(self.derived.iter().map(|(constant, formula)| {
+            let Constant { name, of_type, comment } = constant;
+            (format!("localparam {of_type}{name} = {formula};"), comment.clone())
+        }));
+        commented(&lines)
     }
 
     fn instance(
@@ -160,9 +222,9 @@ impl Sheet {
     }
 }
 
-/// Whether a paragraph is instances that take a line each.
+/// Whether a paragraph is instances that take a line each, and declarations.
 fn is_short(lines: &[String]) -> bool {
-    lines.iter().all(|line| line.ends_with(");"))
+    lines.iter().all(|line| line.ends_with(';') && !line.starts_with([')', ' ']))
 }
 
 /// Lines in a bracket: commas between, comments behind. Empty lines part groups.
@@ -178,7 +240,8 @@ fn list(lines: &[(String, String)]) -> String {
 
 /// Lines with their comments below one another; a comment that is too long stands above.
 fn commented(lines: &[(String, String)]) -> Vec<String> {
-    let width = lines.iter().map(|(line, _)| line.len()).max().unwrap_or(0);
+    let said = lines.iter().filter(|(_, comment)| !comment.is_empty());
+    let width = said.map(|(line, _)| line.len()).max().unwrap_or(0);
     let line = |(line, comment): &(String, String)| match comment.is_empty() {
         true => vec![line.clone()],
         false if width + comment.len() + 6 > WIDTH => {

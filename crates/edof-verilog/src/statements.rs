@@ -23,7 +23,7 @@ impl Printer<'_> {
     pub fn process(&mut self, statements: &[Statement], driven: &BTreeSet<SignalId>) -> Vec<String> {
         self.driven.clone_from(driven);
         self.steps.clear();
-        self.begin();
+        self.line = None;
         let (first, rest) = match statements {
             [Statement::Comment(note), rest @ ..] => (self.note(note), rest),
             all => (vec![], all),
@@ -40,15 +40,10 @@ impl Printer<'_> {
         lines.into_iter().map(|line| self.placed(line)).collect()
     }
 
-    /// A paragraph begins: its first note is said whatever was said before.
-    pub fn begin(&mut self) {
-        (self.starts, self.line) = (true, None);
-    }
-
     /// The lines of a block at a clock's edge: statements, then registers that take their next value.
     pub fn edge(&mut self, clock: &str, statements: &[Statement], taken: &[(String, String)]) -> Vec<String> {
         self.driven.clear();
-        self.begin();
+        self.line = None;
         self.at_edge = true;
         let mut body: Vec<String> = taken.iter().map(|(value, next)| format!("{value} <= {next};")).collect();
         body.extend(self.lines(statements));
@@ -78,21 +73,12 @@ impl Printer<'_> {
         }
     }
 
-    /// What is said before a statement: nothing that was said before the one above it.
+    /// The comment before a statement: once in a module, where the first part of the statement stands.
     pub fn note(&mut self, note: &Note) -> Vec<String> {
-        let is_known = !self.starts && (note.text.is_empty() || note.text == self.said);
         self.line = note.line.or(self.line);
-        if is_known {
-            return vec![];
-        }
-        self.starts = false;
-        self.said.clone_from(&note.text);
-        let place = note.line.map(|line| format!("{}:{line}", self.file));
-        match (place, note.text.is_empty()) {
-            (Some(place), true) => vec![format!("// {place}")],
-            (Some(place), false) => vec![format!("// {place}: {}", note.text)],
-            (None, _) => note.text.lines().map(|line| format!("// {line}").trim_end().into()).collect(),
-        }
+        let is_new = note.line.is_none_or(|line| self.said.insert((line, note.text.clone())));
+        let lines = note.text.lines().filter(|_| is_new);
+        lines.map(|line| format!("// {line}").trim_end().into()).collect()
     }
 
     fn statement(&mut self, statement: &Statement) -> Vec<String> {
@@ -116,9 +102,14 @@ impl Printer<'_> {
                         Label::State(state) => self.state(state),
                         Label::Number(number) => literal(subject.ty, *number, Use::Count),
                     };
-                    lines.extend(arm(&label, self.lines(body)));
+                    lines.extend(arm(&label, "", self.lines(body)));
                 }
-                lines.extend(arm("default", self.lines(default.as_deref().unwrap_or_default())));
+                let (note, body) = match default.as_deref().unwrap_or_default() {
+                    [Statement::Comment(note), body @ ..] if note.label().is_some() => (note.label(), body),
+                    body => (None, body),
+                };
+                let note = note.map_or(String::new(), |label| format!(" // {label}"));
+                lines.extend(arm("default", &note, self.lines(body)));
                 [steps, enclosed(&format!("case ({test})"), &lines, "endcase")].concat()
             }
         }
@@ -177,14 +168,15 @@ fn enclosed(head: &str, body: &[String], end: &str) -> Vec<String> {
     std::iter::once(head.to_string()).chain(body).chain([end.to_string()]).collect()
 }
 
-/// `LABEL: x = y;`, or a block.
-fn arm(label: &str, body: Vec<String>) -> Vec<String> {
+/// `LABEL: x = y;`, or a block; `note` stands behind the first line.
+fn arm(label: &str, note: &str, body: Vec<String>) -> Vec<String> {
     match &body[..] {
-        [] => vec![format!("{label}: ;")],
-        [one] if is_assignment(one) && label.len() + code(one).len() < SHORT => {
-            vec![format!("{label}: {one}")]
+        [] => vec![format!("{label}: ;{note}")],
+        [one] if is_assignment(one) && label.len() + code(one).len() + note.len() < SHORT => {
+            let (code, place) = one.split_at(code(one).len());
+            vec![format!("{label}: {code}{note}{place}")]
         }
-        _ => block(&format!("{label}: begin"), &body),
+        _ => block(&format!("{label}: begin{note}"), &body),
     }
 }
 

@@ -3,15 +3,10 @@
 //! Each rule holds for every value of its operands at its width; `tests/equal.rs` of `edof-cosim` proves it of whole designs: Yosys compares
 //! what is printed with and without this pass.
 
-use std::collections::HashSet;
-
+use crate::cases;
 use crate::expression::{Expression, Node};
-use crate::flow::collect_targets;
 use crate::kernel::{Arm, Assign, Label, Note, Statement};
 use crate::types::Type;
-
-/// A chain of comparisons with at least this many numbers becomes a `case`.
-const MIN_ARMS: usize = 3;
 
 /// The statements, tidied.
 pub(crate) fn statements(statements: Vec<Statement>) -> Vec<Statement> {
@@ -24,7 +19,7 @@ pub(crate) fn statements(statements: Vec<Statement>) -> Vec<Statement> {
             Statement::If { test, then, otherwise } => {
                 let parts = (expression(test), self::statements(then), self::statements(otherwise));
                 match condition(parts) {
-                    Some(statement) => chain(statement, &mut tidied),
+                    Some(statement) => cases::chain(statement),
                     None => continue,
                 }
             }
@@ -37,7 +32,7 @@ pub(crate) fn statements(statements: Vec<Statement>) -> Vec<Statement> {
         };
         tidied.push(statement);
     }
-    tidied
+    cases::together(tidied)
 }
 
 /// An `if` whose first side does something, and that is one with an `if` that stands alone in it.
@@ -54,61 +49,6 @@ fn condition((test, then, otherwise): (Expression, Vec<Statement>, Vec<Statement
         return Some(Statement::If { test: conjunction(test, also), then, otherwise });
     }
     Some(Statement::If { test, then, otherwise })
-}
-
-/// A chain of comparisons of one subject with numbers, as a `case`. Without an `else` it needs an assignment before it that says what is otherwise.
-fn chain(statement: Statement, before: &mut Vec<Statement>) -> Statement {
-    let Some((subject, arms, otherwise)) = comparisons(&statement) else { return statement };
-    if arms.len() < MIN_ARMS {
-        return statement;
-    }
-    if !otherwise.is_empty() {
-        return Statement::Case { subject, arms, default: Some(otherwise) };
-    }
-    let is_said = |statement: &Statement| !matches!(statement, Statement::Comment(_));
-    let Some(place) = before.iter().rposition(is_said) else { return statement };
-    let Statement::Assign(first) = &before[place] else { return statement };
-    let is_same = |arm: &Arm| {
-        let starts = match arm.body.first() {
-            Some(Statement::Assign(assign)) => {
-                assign.target == first.target && assign.at.is_none() && !assign.value.reads(first.target)
-            }
-            _ => false,
-        };
-        let mut targets = HashSet::new();
-        collect_targets(&arm.body, &mut targets);
-        starts && targets.len() == 1
-    };
-    let moved = subject.reads(first.target) || first.at.is_some() || first.holds;
-    if moved || !arms.iter().all(is_same) {
-        return statement;
-    }
-    let default = before.remove(place);
-    Statement::Case { subject, arms, default: Some(vec![default]) }
-}
-
-/// Subject, arms and the rest of `if (s == 1) … else if (s == 2) …`.
-fn comparisons(statement: &Statement) -> Option<(Expression, Vec<Arm>, Vec<Statement>)> {
-    let Statement::If { test, then, otherwise } = statement else { return None };
-    let Node::Compare("==", subject, number) = &test.node else { return None };
-    let label = match &number.node {
-        Node::Literal(value) => Label::Number(*value),
-        Node::State(state) => Label::State(state.clone()),
-        _ => return None,
-    };
-    if !matches!(subject.node, Node::Signal(_) | Node::Slice(..)) {
-        return None;
-    }
-    let mut arms = vec![Arm { label, body: then.clone() }];
-    if let [rest] = &otherwise[..]
-        && let Some((same, more, last)) = comparisons(rest)
-        && same == **subject
-        && more.iter().all(|arm| arm.label != arms[0].label)
-    {
-        arms.extend(more);
-        return Some((same, arms, last));
-    }
-    Some(((**subject).clone(), arms, otherwise.clone()))
 }
 
 /// A `case` in which every arm does something: otherwise a chain of comparisons.
@@ -142,6 +82,7 @@ pub(crate) fn expression(whole: Expression) -> Expression {
         Node::Compare(op @ ("==" | "!="), x, y) => equality(op, *x, *y),
         Node::Logical("&&", x, y) => conjunction(*x, *y),
         Node::Logical("||", x, y) => disjunction(*x, *y),
+        Node::Wrapping("&", x, y) if is_all_ones(&y) => *x,
         Node::Choose(test, x, y) if ty == Type::BIT => choice(*test, *x, *y),
         Node::Choose(test, x, y) => match sign_extended(ty, &test, &x, &y) {
             Some(number) => number,
@@ -149,6 +90,11 @@ pub(crate) fn expression(whole: Expression) -> Expression {
         },
         node => Expression::new(ty, node),
     }
+}
+
+/// A mask that lets everything through.
+fn is_all_ones(mask: &Expression) -> bool {
+    mask.ty.bits < 100 && mask.constant() == Some((1 << mask.ty.bits) - 1)
 }
 
 /// `x[7] ? {8'd0, x} | 16'hff00 : {8'd0, x}` as the number x with its own sign.
@@ -256,8 +202,16 @@ fn conjuncts(x: Expression, terms: &mut Vec<Expression>) {
 /// Subject and number of a comparison with a number.
 fn compared(op: &str, term: &Expression) -> Option<(Expression, i128)> {
     match &term.node {
-        Node::Compare(found, x, y) if *found == op => Some(((**x).clone(), y.constant()?)),
+        Node::Compare(found, x, y) if *found == op => Some(((**x).clone(), number(y)?)),
         _ => None,
+    }
+}
+
+/// The number that a literal or a state is.
+fn number(x: &Expression) -> Option<i128> {
+    match &x.node {
+        Node::State(state) => i128::try_from(state.value).ok(),
+        _ => x.constant(),
     }
 }
 

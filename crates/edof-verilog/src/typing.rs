@@ -6,7 +6,7 @@ use rust_hdl::prelude::ast::{VerilogExpression as Source, VerilogOp as Op, Veril
 
 use crate::error::Fault;
 use crate::expression::{Expression, Node};
-use crate::scope::{Meaning, Scope};
+use crate::scope::{Fixed, Meaning, Scope};
 use crate::source::{is_bool, number, quote, symbol};
 use crate::types::Type;
 
@@ -138,7 +138,11 @@ impl Typing<'_> {
         Ok(match source {
             Source::Signal(name) => match self.scope.meaning(name, self.loops)? {
                 Meaning::Number(value) => Expression::literal(wanted, value),
-                Meaning::Signal(id) => Expression::signal(self.scope, id),
+                Meaning::Signal(id) => match self.scope.fixed(id) {
+                    Some(Fixed::Number(value)) => Expression::literal(wanted, *value),
+                    Some(Fixed::Named(state)) => Expression::new(wanted, Node::State(state.clone())),
+                    None => Expression::signal(self.scope, id),
+                },
                 Meaning::State(state) => Expression::new(wanted, Node::State(state.clone())),
             },
             Source::Literal(literal) => Expression::literal(wanted, number(literal).unwrap_or_default()),

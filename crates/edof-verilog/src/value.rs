@@ -13,14 +13,17 @@ pub(crate) struct Value {
 }
 
 impl Value {
-    /// A constant from its hexadecimal digits.
-    pub fn constant(ty: Type, digits: &str, of: Use) -> Self {
-        Self { of_type: of_type(ty), text: pattern(ty, digits, of) }
-    }
-
     /// A whole number.
     pub fn number(number: usize) -> Self {
         Self::plain(number.to_string())
+    }
+
+    /// A whole number, its digits in threes.
+    pub fn grouped(number: i128) -> Self {
+        let digits = number.to_string();
+        let groups: Vec<&str> =
+            digits.as_bytes().rchunks(3).rev().filter_map(|group| std::str::from_utf8(group).ok()).collect();
+        Self::plain(groups.join("_"))
     }
 
     /// What a leaf's parameter is given.

@@ -8,18 +8,16 @@ use crate::cycles::keep;
 use crate::describe::Description;
 use crate::error::{EmitError, Fault};
 use crate::expression::{Expression, Node};
-
-use crate::kernel;
+use crate::kernel::{Assign, Statement};
 use crate::kind::{Kind, pins_of};
 use crate::layout::WIDTH;
 use crate::names::snake_case;
-use crate::order;
+use crate::order::{self, Order, Step};
 use crate::print::{Between, Printer};
 use crate::process::Process;
 use crate::scope::{Role, Scope, SignalId};
-use crate::sheet::{Constant, Sheet};
-use crate::text::{Use, literal};
-use crate::types::Type;
+use crate::sheet::{Constants, Paragraph, Sheet, Written};
+use crate::text::Use;
 use crate::unread::Read;
 use crate::value::{Value, of_type, pattern};
 use crate::wiring::Wiring;
@@ -38,8 +36,8 @@ pub(crate) struct Writer<'a> {
     /// Arrays of one element.
     pub single: &'a [String],
     pub kinds: &'a [Option<Kind<'a>>],
-    /// What the kernel reads.
-    pub reads: &'a BTreeSet<SignalId>,
+    /// What stands where.
+    pub order: &'a Order,
     /// Which outputs follow which inputs within the cycle.
     pub paths: &'a [(SignalId, SignalId)],
     pub printer: Printer<'a>,
@@ -50,13 +48,12 @@ pub(crate) struct Writer<'a> {
 impl Writer<'_> {
     /// The sheet, the values of its slots, and the tree's part that each instance stands for.
     pub fn sheet(mut self) -> Result<(Sheet, Vec<Value>, Vec<usize>), EmitError> {
-        let mut logic = self.logic()?;
-        let parts = self.parts();
+        let (mut logic, parts) = self.logic()?;
         let ends = self.ends();
-        logic.extend(self.with_between(vec![]));
+        logic.push(Paragraph::Lines(self.with_between(vec![])));
         let mut clocked: Vec<Vec<String>> = ends.into_iter().chain(self.clocked()).collect();
         clocked.extend(Some(self.unread()).filter(|lines| !lines.is_empty()));
-        let (mut constants, mut values) = self.constants();
+        let Constants { mut constants, mut values, derived } = self.constants();
         for part in &parts {
             if let Some((constant, value)) = &part.count {
                 constants.push(constant.clone());
@@ -67,9 +64,10 @@ impl Writer<'_> {
         let sheet = Sheet {
             name: self.name(),
             header: self.header(),
-            source: in_workspace(self.source),
+            source: self.source.into(),
             ports: self.ports(),
             constants,
+            derived,
             states: self.states(),
             signals: self.signals(),
             logic,
@@ -84,49 +82,12 @@ impl Writer<'_> {
         if self.description.role.is_empty() { name } else { format!("{name}_{}", self.description.role) }
     }
 
-    fn header(&self) -> String {
-        let line = |line: &str| format!("// {}", line.trim()).trim_end().to_string() + "\n";
-        let text: String = self.description.header.trim().lines().map(line).collect();
-        let follows: String = self.follows().iter().map(|text| line(text)).collect();
-        let source = format!("// From {} ({}).\n", in_workspace(self.source), self.description.name);
-        let gap = if follows.is_empty() { "" } else { "//\n" };
-        format!("{text}{gap}{follows}//\n{source}")
-    }
-
-    /// Which outputs follow which inputs within the cycle.
-    fn follows(&self) -> Vec<String> {
-        let name = |id: &SignalId| self.signal_name(*id).to_string();
-        let mut groups: Vec<(BTreeSet<SignalId>, Vec<String>)> = vec![];
-        for output in self.ports.iter().filter(|id| self.scope.signals[**id].role == Role::Output) {
-            let from = self.paths.iter().filter(|(_, to)| to == output).map(|(from, _)| *from);
-            let from: BTreeSet<SignalId> = from.filter(|id| self.ports.contains(id)).collect();
-            match groups.iter_mut().find(|(inputs, _)| *inputs == from) {
-                Some((_, outputs)) => outputs.push(name(output)),
-                None => groups.push((from, vec![name(output)])),
-            }
-        }
-        let all_registered = groups.iter().all(|(from, _)| from.is_empty());
-        if all_registered || groups.is_empty() {
-            let has_registers = !groups.is_empty() && !self.scope.registers.is_empty();
-            return if has_registers {
-                vec!["No output follows an input within the cycle.".into()]
-            } else {
-                vec![]
-            };
-        }
-        let line = |(from, outputs): &(BTreeSet<SignalId>, Vec<String>)| {
-            let from: Vec<String> = from.iter().map(name).collect();
-            format!("Within the cycle: {} -> {}", from.join(", "), outputs.join(", "))
-        };
-        groups.iter().filter(|(from, _)| !from.is_empty()).map(line).collect()
-    }
-
     pub fn signal_name(&self, id: SignalId) -> &str {
         &self.printer.signal_names[id]
     }
 
     /// What the field of a signal says; of an array's elements the first says it for all.
-    fn said(&self, id: SignalId) -> String {
+    pub fn said(&self, id: SignalId) -> String {
         let key = &self.scope.signals[id].key;
         let (field, rest) = key.split_once('$').unwrap_or((key, ""));
         let is_first = rest.is_empty() || rest == "0";
@@ -144,14 +105,34 @@ impl Writer<'_> {
             let ty = of_type(self.scope.signals[*id].ty);
             (format!("{} {ty}{}", kind(*id), self.signal_name(*id)), self.said(*id))
         };
-        let mut lines = vec![];
+        let mut lines: Vec<(String, String)> = vec![];
         for (n, id) in self.ports.iter().enumerate() {
-            if n > 0 && self.group(*id) != self.group(self.ports[n - 1]) {
+            let (port, said) = line(id);
+            let before = (n > 0).then(|| self.ports[n - 1]);
+            if before.is_some_and(|before| self.group(*id) != self.group(before)) {
                 lines.push((String::new(), String::new()));
             }
-            lines.push(line(id));
+            match lines.last_mut() {
+                Some((last, comment))
+                    if said.is_empty()
+                        && comment.is_empty()
+                        && before.and_then(|before| self.channel(before)) == self.channel(*id)
+                        && self.channel(*id).is_some()
+                        && last.len() + port.len() + 6 <= WIDTH =>
+                {
+                    *last += &format!(", {port}");
+                }
+                _ => lines.push((port, said)),
+            }
         }
         lines
+    }
+
+    /// The bundle that a port belongs to, and its channel there: ports of one stand side by side.
+    fn channel(&self, id: SignalId) -> Option<(&str, &str)> {
+        let (bundle, rest) = self.scope.signals[id].key.split_once('$')?;
+        let channel = rest.split_once('_').map_or("", |(channel, _)| channel);
+        rest.starts_with(char::is_alphabetic).then_some((bundle, channel))
     }
 
     /// Ports of one group stand together: clocks and resets, those of a bundle, all others.
@@ -173,27 +154,20 @@ impl Writer<'_> {
         blocks.flat_map(|process| process.targets.iter().copied()).collect()
     }
 
-    fn constants(&self) -> (Vec<Constant>, Vec<Value>) {
-        let constants = self.printer.constants.iter().filter_map(|(&id, &of)| {
-            let signal = &self.scope.signals[id];
-            let Role::Constant(digits) = &signal.role else { return None };
-            let name = self.signal_name(id).to_string();
-            let value = Value::constant(signal.ty, digits, of);
-            Some((Constant { name, of_type: value.of_type.clone(), comment: self.said(id) }, value))
-        });
-        constants.unzip()
-    }
-
-    fn states(&self) -> Vec<String> {
-        let line = |(name, state): &(String, crate::scope::State)| {
-            let ty = Type::bits(state.bits);
-            format!("localparam {}{name} = {};", of_type(ty), literal(ty, state.value as i128, Use::Count))
-        };
-        self.printer.states.values().map(line).collect()
-    }
-
-    /// Declarations of registers, local signals and wires between the parts.
+    /// Declarations of registers, and of signals that are read above the place where they get their value.
     fn signals(&self) -> Vec<String> {
+        let is_above =
+            |id: &SignalId| self.scope.signals[*id].role == Role::Register || self.order.early.contains(id);
+        let ids = (0..self.scope.signals.len()).filter(is_above);
+        self.declarations(ids).into_iter().chain(self.array_wires()).collect()
+    }
+
+    /// Declarations beside the statements or the instance that give signals their values.
+    fn beside(&self, ids: impl Iterator<Item = SignalId>) -> Vec<String> {
+        self.declarations(ids.filter(|id| !self.order.early.contains(id)))
+    }
+
+    fn declarations(&self, ids: impl Iterator<Item = SignalId>) -> Vec<String> {
         let registered = self.registered();
         let start = |id: SignalId| {
             let register = self.scope.registers.iter().find(|register| register.value == id);
@@ -202,35 +176,28 @@ impl Writer<'_> {
                 format!(" = {}", pattern(self.scope.signals[id].ty, value, Use::Value))
             })
         };
-        let combinational = self.processes.iter().filter(|process| process.is_combinational());
-        let declared = |id: &SignalId| !self.is_declared_by_its_value(*id);
-        let driven: BTreeSet<SignalId> =
-            combinational.flat_map(|process| process.targets.iter().copied()).filter(declared).collect();
-        let has_pin = self.pins();
         let in_array: BTreeSet<SignalId> = self.array_outputs().into_iter().collect();
-        let declare = |id: SignalId| {
+        together(ids.filter_map(|id| {
             let signal = &self.scope.signals[id];
             let kind = match signal.role {
                 Role::Register => "reg",
                 Role::Local | Role::Next | Role::PartInput if registered.contains(&id) => "reg",
-                Role::Local | Role::Next | Role::PartInput if driven.contains(&id) => "wire",
-                Role::PartOutput
-                    if has_pin.contains(&id) && !in_array.contains(&id) && !self.wiring.is_replaced(id) =>
-                {
-                    "wire"
-                }
+                Role::Local | Role::Next | Role::PartInput => "wire",
+                Role::PartOutput if !in_array.contains(&id) && !self.wiring.is_replaced(id) => "wire",
                 _ => return None,
             };
             Some((format!("{kind} {}", of_type(signal.ty)), format!("{}{}", self.signal_name(id), start(id))))
-        };
-        let signals = (0..self.scope.signals.len()).filter_map(declare);
-        together(signals).into_iter().chain(self.array_wires()).collect()
+        }))
     }
 
-    /// Whether an assignment declares the signal.
-    fn is_declared_by_its_value(&self, id: SignalId) -> bool {
-        let driver = self.processes.iter().find(|process| process.targets.contains(&id));
-        driver.is_some_and(|process| order::declares(self.scope, process, self.reads) == Some(id))
+    /// The declaration with the value, where an assignment is that.
+    fn assignment(&self, target: SignalId, value: &str) -> String {
+        let signal = &self.scope.signals[target];
+        let name = self.signal_name(target);
+        match signal.role == Role::Output || self.order.early.contains(&target) {
+            true => format!("assign {name} = {value};"),
+            false => format!("wire {}{name} = {value};", of_type(signal.ty)),
+        }
     }
 
     /// The signals at pins of parts.
@@ -335,51 +302,74 @@ impl Writer<'_> {
         vec![note, line]
     }
 
-    /// Assignments and `always @*` blocks, one paragraph for each run of assignments and each block.
-    fn logic(&mut self) -> Result<Vec<Vec<String>>, EmitError> {
-        let mut paragraphs: Vec<Vec<String>> = vec![];
+    /// Assignments, `always @*` blocks and instances: a paragraph for each run of assignments, each block and each instance.
+    fn logic(&mut self) -> Result<(Vec<Paragraph>, Vec<Written>), EmitError> {
+        let (mut paragraphs, mut parts): (Vec<Paragraph>, Vec<Written>) = (vec![], vec![]);
         let mut after_assign = false;
-        for process in self.processes.iter().filter(|process| process.is_combinational()) {
-            let Some(assign) = process.plain() else {
-                if !is_started(self.scope, self.printer.resolved, process) {
-                    let first = process.targets.first().map(|id| self.scope.signals[*id].key.as_str());
-                    return Err(EmitError::field(
-                        &self.tree.path,
-                        first.unwrap_or_default(),
-                        Fault::Constant,
-                    ));
+        for step in &self.order.steps {
+            match step {
+                Step::Part(n) => {
+                    let part = self.part(*n);
+                    let outputs = self.scope.parts[*n].ports.iter().map(|(_, id)| *id);
+                    let lines = self.beside(outputs.filter(|id| self.is_output(*id)));
+                    let above = self.with_between(lines);
+                    paragraphs.push(Paragraph::Instance { number: parts.len(), above });
+                    parts.push(part);
+                    after_assign = false;
                 }
-                let lines = self.printer.process(&process.statements, &process.targets);
-                paragraphs.extend(self.with_between(lines));
-                after_assign = false;
-                continue;
-            };
-            if !after_assign {
-                self.printer.begin();
-            }
-            let mut lines: Vec<String> = vec![];
-            for statement in &process.statements {
-                if let kernel::Statement::Comment(note) = statement {
-                    lines.extend(self.printer.note(note));
+                Step::Process(n) => {
+                    let process = &self.processes[*n];
+                    let Some(assign) = process.plain() else {
+                        paragraphs.push(Paragraph::Lines(self.block(process)?));
+                        after_assign = false;
+                        continue;
+                    };
+                    if !after_assign {
+                        self.printer.line = None;
+                    }
+                    let (lines, has_comment) = self.assign(process, assign);
+                    match paragraphs.last_mut() {
+                        Some(Paragraph::Lines(last)) if after_assign && !has_comment => last.extend(lines),
+                        _ => paragraphs.push(Paragraph::Lines(lines)),
+                    }
+                    after_assign = true;
                 }
             }
-            let has_comment = !lines.is_empty();
-            let name = self.signal_name(assign.target).to_string();
-            let value = self.printer.value(&assign.value, &name);
-            lines.push(match self.is_declared_by_its_value(assign.target) {
-                true => format!("wire {}{name} = {value};", of_type(self.scope.signals[assign.target].ty)),
-                false => format!("assign {name} = {value};"),
-            });
-            let lines = lines.into_iter().map(|line| self.printer.placed(line)).collect();
-            let new = self.with_between(lines);
-            let starts = !after_assign || has_comment || new.len() > 1;
-            match paragraphs.last_mut() {
-                Some(last) if !starts => last.extend(new.into_iter().flatten()),
-                _ => paragraphs.push(new.concat()),
-            }
-            after_assign = true;
         }
-        Ok(paragraphs)
+        Ok((paragraphs, parts))
+    }
+
+    fn is_output(&self, id: SignalId) -> bool {
+        self.scope.signals[id].role == Role::PartOutput
+    }
+
+    /// The lines of an `always @*` block, after the declarations of what it drives.
+    fn block(&mut self, process: &Process) -> Result<Vec<String>, EmitError> {
+        if !is_started(self.scope, self.printer.resolved, process) {
+            let first = process.targets.first().map(|id| self.scope.signals[*id].key.as_str());
+            return Err(EmitError::field(&self.tree.path, first.unwrap_or_default(), Fault::Constant));
+        }
+        let declared = self.beside(order::declared(self.scope, process));
+        let mut lines = self.printer.process(&process.statements, &process.targets);
+        let comment = lines.iter().take_while(|line| line.starts_with("//")).count();
+        lines.splice(comment..comment, declared);
+        Ok(self.with_between(lines))
+    }
+
+    /// The lines of an assignment, and whether a comment is the first.
+    fn assign(&mut self, process: &Process, assign: &Assign) -> (Vec<String>, bool) {
+        let mut lines: Vec<String> = vec![];
+        for statement in &process.statements {
+            if let Statement::Comment(note) = statement {
+                lines.extend(self.printer.note(note));
+            }
+        }
+        let has_comment = !lines.is_empty();
+        let name = self.signal_name(assign.target).to_string();
+        let value = self.printer.value(&assign.value, &name);
+        lines.push(self.assignment(assign.target, &value));
+        let lines = lines.into_iter().map(|line| self.printer.placed(line)).collect();
+        (self.with_between(lines), has_comment)
     }
 
     /// A block for the registers of each clock.
@@ -406,16 +396,18 @@ impl Writer<'_> {
             }
             let statements = edge.map_or(vec![], |edge| keep(&edge.statements, &nexts));
             let lines = self.printer.edge(&clock, &statements, &taken);
-            blocks.extend(self.with_between(lines));
+            blocks.push(self.with_between(lines));
         }
         blocks
     }
 
-    /// Lines after the values that they need and that are not declared yet.
-    fn with_between(&mut self, lines: Vec<String>) -> Vec<Vec<String>> {
+    /// Lines after the values that they need and that are not declared yet. A comment stays the first.
+    fn with_between(&mut self, mut lines: Vec<String>) -> Vec<String> {
         let declared = std::mem::replace(&mut self.declared, self.printer.between.len());
-        let between: Vec<String> = self.printer.between[declared..].iter().map(declare).collect();
-        [between, lines].into_iter().filter(|lines| !lines.is_empty()).collect()
+        let between = self.printer.between[declared..].iter().map(declare);
+        let comment = lines.iter().take_while(|line| line.starts_with("//")).count();
+        lines.splice(comment..comment, between);
+        lines
     }
 }
 
@@ -457,9 +449,4 @@ fn is_started(scope: &Scope, resolved: &[Expression], process: &Process) -> bool
         _ => false,
     };
     process.reads.iter().any(changes)
-}
-
-/// A source as its own workspace names it. For a crate of another workspace, as Python's extension is, the compiler states where it lies on this machine.
-fn in_workspace(source: &str) -> String {
-    source.rsplit_once("/crates/").map_or_else(|| source.to_owned(), |(_, rest)| format!("crates/{rest}"))
 }

@@ -422,6 +422,10 @@ impl Circuit for Table {
             header: "Random expressions.",
             role: String::new(),
             fields: &[],
+            names: vec![],
+            literals: &[],
+            signed: &[],
+            formulas: vec![],
         };
         found.block(key, description, |_| {});
     }

@@ -20,7 +20,7 @@ pub mod transmitter;
 use crate::video::VideoTiming;
 pub use cause::Cause;
 
-pub use program::{Action, Entry, SETTINGS, SLOTS, depth, image};
+pub use program::{Action, Entry, KINDS, SETTINGS, SLOTS, depth, image};
 
 /// Returns the programs of the KC705's buses for a video mode: its own, the card's.
 #[must_use]
@@ -47,6 +47,14 @@ mod tests {
                 }
             }
             assert_eq!(image(&program).lines().count(), depth(&program));
+        }
+    }
+
+    #[test]
+    fn kinds_are_named_as_their_actions() {
+        for (kind, name) in (0_u32..).zip(KINDS) {
+            let action = format!("{:?}", Action::of_word(kind << 24)).to_lowercase();
+            assert!(action.starts_with(&name.replace('_', "")), "{kind}: {name}, {action}");
         }
     }
 

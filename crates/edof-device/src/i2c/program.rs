@@ -98,6 +98,25 @@ pub enum Action {
     More,
 }
 
+/// Names of the actions, in the order of their numbers in [`Action::word`].
+pub const KINDS: [&str; 15] = [
+    "end",
+    "byte",
+    "write",
+    "wait",
+    "read",
+    "until",
+    "if",
+    "goto",
+    "copy",
+    "load",
+    "store",
+    "done",
+    "index",
+    "read_next",
+    "more",
+];
+
 impl Action {
     /// The memory's word: kind and three bytes.
     #[must_use]

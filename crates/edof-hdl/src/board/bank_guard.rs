@@ -20,6 +20,7 @@ pub struct BankGuard {
     pub both: Signal<In, Bit>,
     /// The word belongs to such a bank.
     pub hits: Signal<Out, Bit>,
+    #[literal]
     stages: Vec<Constant<Bits<4>>>,
     weights: Vec<Constant<Bits<12>>>,
     thresholds: Vec<Constant<Bits<12>>>,
@@ -28,6 +29,10 @@ pub struct BankGuard {
     /// Whether a set is there at all.
     known: DFF<Bit>,
     hits_q: DFF<Bit>,
+    is_stage: Signal<Local, Bit>,
+    weight_rows: Signal<Local, Bits<12>>,
+    threshold_rows: Signal<Local, Bits<12>>,
+    space: Signal<Local, Bits<2>>,
     _count: usize,
 }
 
@@ -50,20 +55,25 @@ impl BankGuard {
 impl Logic for BankGuard {
     #[kernel]
     fn update(&mut self) {
-        self.known.d.next = false;
-        self.rows.d.next = 1.into();
+        self.is_stage.next = false;
+        self.weight_rows.next = 1.into();
+        self.threshold_rows.next = 1.into();
         for i in 0..self._count {
             if self.address.val().get_bits::<4>(21) == self.stages[i].val() {
-                self.known.d.next = true;
-                if self.address.val().get_bits::<2>(19) == 0 {
-                    self.rows.d.next = self.weights[i].val();
-                } else if self.address.val().get_bits::<2>(19) != 3 {
-                    self.rows.d.next = self.thresholds[i].val();
-                } else if self.address.val().get_bits::<11>(2).any() {
-                    // Registers beyond the shifts of both sets.
-                    self.known.d.next = false;
-                }
+                self.is_stage.next = true;
+                self.weight_rows.next = self.weights[i].val();
+                self.threshold_rows.next = self.thresholds[i].val();
             }
+        }
+        self.space.next = self.address.val().get_bits::<2>(19);
+        // Registers beyond the shifts of both sets belong to none.
+        self.known.d.next =
+            self.is_stage.val() && ((self.space.val() != 3) || !self.address.val().get_bits::<11>(2).any());
+        self.rows.d.next = 1.into();
+        if self.space.val() == 0 {
+            self.rows.d.next = self.weight_rows.val();
+        } else if self.space.val() != 3 {
+            self.rows.d.next = self.threshold_rows.val();
         }
         self.hits_q.d.next = self.known.q.val()
             && (self.both.val()

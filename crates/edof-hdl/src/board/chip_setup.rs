@@ -4,7 +4,7 @@ use super::i2c_master::I2cMaster;
 use super::pace::Pace;
 use crate::blocks::ram::{Ram, Shape};
 use crate::describe::{Circuit, kernel};
-use edof_device::i2c::{Entry, depth};
+use edof_device::i2c::{Entry, KINDS, depth};
 use rust_hdl::prelude::*;
 
 /// Attempts for a transfer, after which the set-up has failed.
@@ -76,13 +76,17 @@ pub struct ChipSetup {
     pub slots: [Signal<Out, Bits<32>>; 3],
     /// Register `chip_answer`.
     pub answer: Signal<Out, Bits<32>>,
+    #[formula("CLOCK_HZ / 1000 - 2")]
     millisecond: Constant<Bits<24>>,
     attempts: Constant<Bits<4>>,
     pause: Constant<Bits<16>>,
     poll: Constant<Bits<16>>,
     idle_ms: Constant<Bits<16>>,
     is_card: Constant<Bits<1>>,
-    numbers: [Constant<Bits<4>>; 15],
+    #[names(_kinds)]
+    op: [Constant<Bits<4>>; 15],
+    #[literal]
+    numbers: [Constant<Bits<4>>; 12],
     program: Ram<32>,
     master: I2cMaster,
     #[reset(Phase::Fetch)]
@@ -97,7 +101,8 @@ pub struct ChipSetup {
     previous: DFF<Bits<10>>,
     instruction: DFF<Bits<32>>,
     // What it is, from the phase after its decoding on: no choice of the next entry begins with a comparison.
-    is_kind: [DFF<Bit>; 15],
+    #[names(_kinds)]
+    is: [DFF<Bit>; 15],
     accumulator: DFF<Bits<8>>,
     index: DFF<Bits<8>>,
     #[reset(0)]
@@ -147,6 +152,8 @@ pub struct ChipSetup {
     fail_cause: Signal<Local, Bits<3>>,
     is_host_access: Signal<Local, Bit>,
     status_word: Signal<Local, Bits<32>>,
+    _clock_hz: u64,
+    _kinds: [&'static str; 15],
 }
 
 impl ChipSetup {
@@ -165,9 +172,12 @@ impl ChipSetup {
             poll: constant(POLL_MS),
             idle_ms: constant(REST_MS),
             is_card: Constant::new(u64::from(is_card).into()),
+            op: std::array::from_fn(|kind| Constant::new((kind as u64).into())),
             numbers: std::array::from_fn(|number| Constant::new((number as u64).into())),
             program: Ram::new(shape, &words),
             master: I2cMaster::new(pace.i2c_quarter),
+            _clock_hz: 400_000 * u64::from(pace.i2c_quarter),
+            _kinds: KINDS,
         })
     }
 }
@@ -190,8 +200,8 @@ impl Logic for ChipSetup {
         self.third.next = self.instruction.q.val().get_bits::<8>(0);
 
         for i in 0..15 {
-            self.is_kind[i].clock.next = self.clock.val();
-            self.is_kind[i].d.next = self.kind.val() == self.numbers[i].val();
+            self.is[i].clock.next = self.clock.val();
+            self.is[i].d.next = self.kind.val() == self.op[i].val();
         }
         self.spent.d.next = self.try_count.q.val() == self.first.val();
         self.next_entry.d.next = self.entry.q.val() + 1;
@@ -212,12 +222,13 @@ impl Logic for ChipSetup {
         self.master.device.next = self.instruction.q.val().get_bits::<7>(16);
         self.master.register.next = self.second.val();
         self.master.write_value.next = self.third.val();
-        self.master.read.next = (self.kind.val() == 4) || (self.kind.val() == 13);
-        self.master.bare.next = self.kind.val() == 1;
-        if self.kind.val() == 8 {
+        self.master.read.next =
+            (self.kind.val() == self.op[4].val()) || (self.kind.val() == self.op[13].val());
+        self.master.bare.next = self.kind.val() == self.op[1].val();
+        if self.kind.val() == self.op[8].val() {
             self.master.write_value.next = self.loaded.q.val();
         }
-        if self.kind.val() == 13 {
+        if self.kind.val() == self.op[13].val() {
             self.master.register.next = self.index.q.val();
         }
         if self.is_host_access.val() {
@@ -304,22 +315,22 @@ impl Logic for ChipSetup {
                 self.milliseconds.d.next = self.instruction.q.val().get_bits::<16>(0);
                 self.advance.d.next = true;
                 self.phase.d.next = Phase::Execute;
-                if (self.kind.val() == 1)
-                    || (self.kind.val() == 2)
-                    || (self.kind.val() == 4)
-                    || (self.kind.val() == 8)
-                    || (self.kind.val() == 13)
+                if (self.kind.val() == self.op[1].val())
+                    || (self.kind.val() == self.op[2].val())
+                    || (self.kind.val() == self.op[4].val())
+                    || (self.kind.val() == self.op[8].val())
+                    || (self.kind.val() == self.op[13].val())
                 {
                     self.device.d.next = self.instruction.q.val().get_bits::<7>(16);
                     self.phase.d.next = Phase::Begin;
-                } else if self.kind.val() == 3 {
+                } else if self.kind.val() == self.op[3].val() {
                     self.phase.d.next = Phase::Wait;
                 }
             }
             Phase::Execute => {
                 self.phase.d.next = Phase::Fetch;
                 self.entry.d.next = self.next_entry.q.val();
-                if self.is_kind[5].q.val() {
+                if self.is[5].q.val() {
                     self.try_count.d.next = 0.into();
                     if !self.matches.q.val() {
                         if self.spent.q.val() {
@@ -333,23 +344,23 @@ impl Logic for ChipSetup {
                             self.phase.d.next = Phase::Wait;
                         }
                     }
-                } else if self.is_kind[6].q.val() {
+                } else if self.is[6].q.val() {
                     if !self.matches.q.val() {
                         self.entry.d.next = self.beyond.q.val();
                     }
-                } else if self.is_kind[7].q.val() {
+                } else if self.is[7].q.val() {
                     self.entry.d.next = self.instruction.q.val().get_bits::<10>(0);
-                } else if self.is_kind[9].q.val() {
+                } else if self.is[9].q.val() {
                     self.accumulator.d.next = self.loaded.q.val();
-                } else if self.is_kind[10].q.val() {
+                } else if self.is[10].q.val() {
                     self.store.next = true;
                     self.store_value.next = self.second.val();
-                } else if self.is_kind[11].q.val() {
+                } else if self.is[11].q.val() {
                     self.done_q.d.next = true;
                     self.failed_q.d.next = false;
-                } else if self.is_kind[12].q.val() {
+                } else if self.is[12].q.val() {
                     self.index.d.next = self.third.val();
-                } else if self.is_kind[14].q.val() {
+                } else if self.is[14].q.val() {
                     if !self.has_more.q.val() {
                         self.entry.d.next = self.beyond.q.val();
                     }
@@ -371,7 +382,7 @@ impl Logic for ChipSetup {
                 self.attempt.d.next = 0.into();
                 self.phase.d.next = Phase::Fetch;
                 self.entry.d.next = self.next_entry.q.val();
-                if self.is_kind[13].q.val() {
+                if self.is[13].q.val() {
                     // What nobody answers is 0.
                     self.index.d.next = self.index.q.val() + 1;
                     self.accumulator.d.next = 0.into();
@@ -379,7 +390,7 @@ impl Logic for ChipSetup {
                         self.accumulator.d.next = self.loaded.q.val();
                     }
                 } else if !self.cause.q.val().any() {
-                    if self.is_kind[4].q.val() {
+                    if self.is[4].q.val() {
                         self.accumulator.d.next = self.loaded.q.val();
                         self.store.next = true;
                     }

@@ -82,8 +82,11 @@ pub struct I2cMaster {
     pub cause: Signal<Out, Bits<3>>,
     /// Byte that was read.
     pub value: Signal<Out, Bits<8>>,
+    #[formula("CLOCK_HZ / 400_000 - 2")]
     quarter: Constant<Bits<16>>,
+    #[formula("CLOCK_HZ / 250")]
     hold: Constant<Bits<24>>,
+    _clock_hz: u64,
     lines: Sync<2>,
     // Stands long before a bit needs it: what chooses a transfer is no part of the path to the phase.
     reads: DFF<Bit>,
@@ -120,6 +123,7 @@ impl I2cMaster {
         Self::from_parts(I2cMasterParts {
             quarter: Constant::new((quarter - 2).into()),
             hold: Constant::new((HOLD * quarter).into()),
+            _clock_hz: 400_000 * quarter,
         })
     }
 }

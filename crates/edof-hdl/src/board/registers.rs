@@ -9,6 +9,7 @@ use edof_device::registers::map::{
     DISPLAY_TABLES, FRAME, PICTURE_PIXELS, REGISTERS, STAGE_COUNTERS, STAGE_READS, TILE_PIXELS, WEIGHT_SET,
     WEIGHTS,
 };
+use edof_device::registers::{Access, Register};
 use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
 
@@ -185,18 +186,26 @@ pub struct BoardRegisters {
     pub weight_address: Signal<Out, Bits<25>>,
     /// Word to write.
     pub weight_data: Signal<Out, Bits<32>>,
-    indices: Vec<Constant<Bits<6>>>,
-    masks: Vec<Constant<Bits<32>>>,
+    #[names(_registers)]
+    addr: Vec<Constant<Bits<6>>>,
+    #[literal]
+    bits: Vec<Constant<Bits<32>>>,
+    #[names(_registers)]
     start: Vec<Constant<Bits<32>>>,
-    window_bases: [Constant<Bits<32>>; 7],
-    window_masks: [Constant<Bits<32>>; 7],
+    #[names(_windows)]
+    base: [Constant<Bits<32>>; 7],
+    #[names(_windows)]
+    mask: [Constant<Bits<32>>; 7],
     phase: DFF<Phase>,
     address: DFF<Bits<32>>,
     word: DFF<Bits<32>>,
     is_bad: DFF<Bit>,
-    controls: [DFF<Bits<32>>; 8],
+    // What the host decides.
+    #[names(_controls)]
+    host: [DFF<Bits<32>>; 8],
     // Where a word to write goes, known before it is judged.
-    at_control: [DFF<Bit>; 8],
+    #[names(_controls)]
+    at: [DFF<Bit>; 8],
     at_tables: DFF<Bit>,
     at_weights: DFF<Bit>,
     at_tile: DFF<Bit>,
@@ -213,21 +222,23 @@ pub struct BoardRegisters {
     found_any: DFF<Bit>,
     is_stage: DFF<Bit>,
     result: DFF<Bits<32>>,
-    values: Vec<Signal<Local, Bits<32>>>,
-    selected: [Signal<Local, Bits<32>>; 4],
-    is_mapped: Signal<Local, Bit>,
-    written: Signal<Local, Bit>,
-    may_write: [Signal<Local, Bit>; 8],
-    control_words: [Signal<Local, Bits<32>>; 8],
-    is_control_locked: Signal<Local, Bit>,
+    #[names(_registers)]
+    value: Vec<Signal<Local, Bits<32>>>,
+    at_any: Signal<Local, Bit>,
+    is_unchecked: Signal<Local, Bit>,
+    is_locked: Signal<Local, Bit>,
     is_protected: Signal<Local, Bit>,
     bank_only: Constant<Bits<32>>,
     in_area: Signal<Local, Bit>,
-    in_window: [Signal<Local, Bit>; 7],
+    #[names(_windows)]
+    is_in: [Signal<Local, Bit>; 7],
     stage_word: Signal<Local, Bits<7>>,
     grant_write: Signal<Local, Bit>,
     grant_read: Signal<Local, Bit>,
     _count: usize,
+    _registers: Vec<&'static str>,
+    _controls: Vec<&'static str>,
+    _windows: Vec<&'static str>,
 }
 
 /// What differs from design to design.
@@ -266,19 +277,21 @@ impl BoardRegisters {
         };
         let windows =
             [STAGE_COUNTERS, DISPLAY_TABLES, WEIGHTS, STAGE_READS, TILE_PIXELS, PICTURE_PIXELS, FRAME];
+        let word = |register: &Register| Constant::new((u64::from(register.address) / 4).into());
+        let controls = REGISTERS.iter().filter(|register| register.access == Access::Control);
         Self::from_parts(BoardRegistersParts {
-            indices: REGISTERS
-                .iter()
-                .map(|register| Constant::new((u64::from(register.address) / 4).into()))
-                .collect(),
-            masks: REGISTERS.iter().map(|register| constant(register.mask())).collect(),
+            addr: REGISTERS.iter().map(word).collect(),
+            bits: REGISTERS.iter().map(|register| constant(register.mask())).collect(),
             start: REGISTERS.iter().map(|register| constant(start(register.name, register.reset))).collect(),
-            window_bases: windows.map(|window| constant(window.address)),
-            window_masks: windows.map(|window| constant(!(window.bytes - 1))),
+            base: windows.map(|window| constant(window.address)),
+            mask: windows.map(|window| constant(!(window.bytes - 1))),
             guard: BankGuard::new(design),
             bank_only: constant(WEIGHT_SET),
-            values: REGISTERS.iter().map(|_| Signal::default()).collect(),
+            value: REGISTERS.iter().map(|_| Signal::default()).collect(),
             _count: REGISTERS.len(),
+            _registers: REGISTERS.iter().map(|register| register.name).collect(),
+            _controls: controls.map(|register| register.name).collect(),
+            _windows: windows.iter().map(|window| window.name).collect(),
         })
     }
 }
@@ -287,14 +300,12 @@ impl Logic for BoardRegisters {
     #[kernel]
     fn update(&mut self) {
         for i in 0..8 {
-            self.controls[i].clock.next = self.clock.val();
-            self.controls[i].d.next = self.controls[i].q.val();
-            self.at_control[i].clock.next = self.clock.val();
+            self.host[i].clock.next = self.clock.val();
+            self.host[i].d.next = self.host[i].q.val();
+            self.at[i].clock.next = self.clock.val();
         }
-
         for i in 0..4 {
             self.found[i].clock.next = self.clock.val();
-            self.selected[i].next = 0.into();
         }
 
         // An access is taken: writes first.
@@ -313,144 +324,123 @@ impl Logic for BoardRegisters {
         }
         self.in_area.next = !self.address.q.val().get_bits::<24>(8).any();
         for i in 0..7 {
-            self.in_window[i].next =
-                (self.address.q.val() & self.window_masks[i].val()) == self.window_bases[i].val();
+            self.is_in[i].next = (self.address.q.val() & self.mask[i].val()) == self.base[i].val();
         }
 
         // What all registers hold, in the order of the map: constants, what the host decides, what the board says.
         for i in 0..4 {
-            self.values[i].next = self.start[i].val();
+            self.value[i].next = self.start[i].val();
         }
         for i in 4..8 {
-            self.values[i].next = self.controls[i - 4].q.val();
+            self.value[i].next = self.host[i - 4].q.val();
         }
-        self.values[8].next = self.status.val();
+        self.value[8].next = self.status.val();
         if self.unchecked.q.val() {
-            self.values[8].next = self.status.val() | 0x200;
+            self.value[8].next = self.status.val() | 0x200;
         }
-        self.values[9].next = self.i2c_board.val();
-        self.values[10].next = self.input_size.val();
-        self.values[11].next = self.i2c_card.val();
-        self.values[12].next = self.receiver.val();
-        self.values[13].next = self.receiver_size.val();
-        self.values[14].next = self.receiver_format.val();
-        self.values[15].next = self.transmitter.val();
-        self.values[16].next = self.input_frames.val();
-        self.values[17].next = self.input_broken.val();
-        self.values[18].next = self.input_wrong.val();
-        self.values[19].next = self.input_overruns.val();
-        self.values[20].next = self.input_write_errors.val();
-        self.values[21].next = self.raw_frames.val();
-        self.values[22].next = self.raw_late.val();
-        self.values[23].next = self.raw_read_errors.val();
-        self.values[24].next = self.busy_cycles.val();
-        self.values[25].next = self.patches.val();
-        self.values[26].next = self.saturated_sums.val();
-        self.values[27].next = self.clamped_chroma.val();
-        self.values[28].next = self.out_of_gamut.val();
-        self.values[29].next = self.picture_frames.val();
-        self.values[30].next = self.picture_broken.val();
-        self.values[31].next = self.picture_write_errors.val();
-        self.values[32].next = self.output_frames.val();
-        self.values[33].next = self.output_late.val();
-        self.values[34].next = self.output_read_errors.val();
-        self.values[35].next = self.output_underruns.val();
-        self.values[36].next = self.uart_broken.val();
-        self.values[37].next = self.rejected_words.q.val();
-        self.values[38].next = self.input_codes.val();
-        self.values[39].next = self.input_malformed.val();
-        self.values[40].next = self.controls[4].q.val();
-        self.values[41].next = self.controls[5].q.val();
-        self.values[42].next = self.chip_answer.val();
-        self.values[43].next = self.input_range.val();
-        self.values[44].next = self.controls[6].q.val();
-        self.values[45].next = self.check_raw.val();
-        self.values[46].next = self.check_windows.val();
-        self.values[47].next = self.check_codes.val();
-        self.values[48].next = self.check_sent.val();
-        self.values[49].next = self.check_frames.val();
-        self.values[50].next = self.core_cycles.val();
-        self.values[51].next = self.input_cycles.val();
-        self.values[52].next = self.screen_cycles.val();
-        self.values[53].next = self.controls[7].q.val();
-        self.values[54].next = self.frame_blocks.val();
-        self.values[55].next = self.frame_check.val();
-        self.is_mapped.next = false;
-        for i in 0..14 {
-            if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
-                self.selected[0].next = self.selected[0].val() | (self.values[i].val() & self.masks[i].val());
-                self.is_mapped.next = true;
-            }
-        }
-        for i in 14..28 {
-            if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
-                self.selected[1].next = self.selected[1].val() | (self.values[i].val() & self.masks[i].val());
-                self.is_mapped.next = true;
-            }
-        }
-        for i in 28..41 {
-            if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
-                self.selected[2].next = self.selected[2].val() | (self.values[i].val() & self.masks[i].val());
-                self.is_mapped.next = true;
-            }
-        }
-        for i in 41..self._count {
-            if self.address.q.val().get_bits::<6>(2) == self.indices[i].val() {
-                self.selected[3].next = self.selected[3].val() | (self.values[i].val() & self.masks[i].val());
-                self.is_mapped.next = true;
-            }
-        }
+        self.value[9].next = self.i2c_board.val();
+        self.value[10].next = self.input_size.val();
+        self.value[11].next = self.i2c_card.val();
+        self.value[12].next = self.receiver.val();
+        self.value[13].next = self.receiver_size.val();
+        self.value[14].next = self.receiver_format.val();
+        self.value[15].next = self.transmitter.val();
+        self.value[16].next = self.input_frames.val();
+        self.value[17].next = self.input_broken.val();
+        self.value[18].next = self.input_wrong.val();
+        self.value[19].next = self.input_overruns.val();
+        self.value[20].next = self.input_write_errors.val();
+        self.value[21].next = self.raw_frames.val();
+        self.value[22].next = self.raw_late.val();
+        self.value[23].next = self.raw_read_errors.val();
+        self.value[24].next = self.busy_cycles.val();
+        self.value[25].next = self.patches.val();
+        self.value[26].next = self.saturated_sums.val();
+        self.value[27].next = self.clamped_chroma.val();
+        self.value[28].next = self.out_of_gamut.val();
+        self.value[29].next = self.picture_frames.val();
+        self.value[30].next = self.picture_broken.val();
+        self.value[31].next = self.picture_write_errors.val();
+        self.value[32].next = self.output_frames.val();
+        self.value[33].next = self.output_late.val();
+        self.value[34].next = self.output_read_errors.val();
+        self.value[35].next = self.output_underruns.val();
+        self.value[36].next = self.uart_broken.val();
+        self.value[37].next = self.rejected_words.q.val();
+        self.value[38].next = self.input_codes.val();
+        self.value[39].next = self.input_malformed.val();
+        self.value[40].next = self.host[4].q.val();
+        self.value[41].next = self.host[5].q.val();
+        self.value[42].next = self.chip_answer.val();
+        self.value[43].next = self.input_range.val();
+        self.value[44].next = self.host[6].q.val();
+        self.value[45].next = self.check_raw.val();
+        self.value[46].next = self.check_windows.val();
+        self.value[47].next = self.check_codes.val();
+        self.value[48].next = self.check_sent.val();
+        self.value[49].next = self.check_frames.val();
+        self.value[50].next = self.core_cycles.val();
+        self.value[51].next = self.input_cycles.val();
+        self.value[52].next = self.screen_cycles.val();
+        self.value[53].next = self.host[7].q.val();
+        self.value[54].next = self.frame_blocks.val();
+        self.value[55].next = self.frame_check.val();
+
+        // The register at the address, in the quarter that it belongs to.
         for i in 0..4 {
-            self.found[i].d.next = self.selected[i].val();
+            self.found[i].d.next = 0.into();
         }
-        self.found_any.d.next = self.is_mapped.val() && self.in_area.val();
-        self.is_picture.d.next = self.in_window[5].val();
-        self.is_stage.d.next = self.in_window[0].val() || self.in_window[3].val();
+        self.found_any.d.next = false;
+        for i in 0..self._count {
+            if self.address.q.val().get_bits::<6>(2) == self.addr[i].val() {
+                self.found[i / 14].d.next = self.value[i].val() & self.bits[i].val();
+                self.found_any.d.next = self.in_area.val();
+            }
+        }
+        self.is_picture.d.next = self.is_in[5].val();
+        self.is_stage.d.next = self.is_in[0].val() || self.is_in[3].val();
 
         // What protection keeps out: words of the bank in use or of both, of tables in use, and words that should carry their complement.
         self.guard.clock.next = self.clock.val();
         self.guard.address.next = self.address.q.val().get_bits::<25>(2);
-        self.guard.set.next = self.controls[1].q.val().get_bit(2);
-        self.guard.both.next = self.controls[3].q.val().get_bit(2);
+        self.guard.set.next = self.host[1].q.val().get_bit(2);
+        self.guard.both.next = self.host[3].q.val().get_bit(2);
         self.is_checked.d.next =
             (self.word.q.val().get_bits::<16>(16) ^ self.word.q.val().get_bits::<16>(0)) == 0xffff;
-        self.may_write[0].next = true;
-        self.may_write[1].next = self.is_checked.q.val() || !self.controls[3].q.val().get_bit(1);
-        self.may_write[2].next = true;
-        self.may_write[3].next = self.is_checked.q.val();
-        self.may_write[4].next = true;
-        self.may_write[5].next = true;
-        self.may_write[6].next = true;
-        self.may_write[7].next = true;
         for i in 4..8 {
-            self.at_control[i - 4].d.next =
-                self.in_area.val() && (self.address.q.val().get_bits::<6>(2) == self.indices[i].val());
-            self.control_words[i - 4].next = self.word.q.val() & self.masks[i].val();
+            self.at[i - 4].d.next =
+                self.in_area.val() && (self.address.q.val().get_bits::<6>(2) == self.addr[i].val());
         }
         for i in 40..42 {
-            self.at_control[i - 36].d.next =
-                self.in_area.val() && (self.address.q.val().get_bits::<6>(2) == self.indices[i].val());
-            self.control_words[i - 36].next = self.word.q.val() & self.masks[i].val();
+            self.at[i - 36].d.next =
+                self.in_area.val() && (self.address.q.val().get_bits::<6>(2) == self.addr[i].val());
         }
-        self.at_control[6].d.next =
-            self.in_area.val() && (self.address.q.val().get_bits::<6>(2) == self.indices[44].val());
-        self.control_words[6].next = self.word.q.val() & self.masks[44].val();
-        self.at_control[7].d.next =
-            self.in_area.val() && (self.address.q.val().get_bits::<6>(2) == self.indices[53].val());
-        self.control_words[7].next = self.word.q.val() & self.masks[53].val();
-        self.at_tile.d.next = self.in_window[4].val();
-        self.at_frame.d.next = self.in_window[6].val();
-        self.at_tables.d.next = self.in_window[1].val();
-        self.at_weights.d.next = self.in_window[2].val();
-        self.is_control_locked.next = self.controls[3].q.val().get_bit(0)
-            && ((self.at_tables.q.val() && self.controls[1].q.val().get_bit(0))
+        self.at[6].d.next =
+            self.in_area.val() && (self.address.q.val().get_bits::<6>(2) == self.addr[44].val());
+        self.at[7].d.next =
+            self.in_area.val() && (self.address.q.val().get_bits::<6>(2) == self.addr[53].val());
+        self.at_tile.d.next = self.is_in[4].val();
+        self.at_frame.d.next = self.is_in[6].val();
+        self.at_tables.d.next = self.is_in[1].val();
+        self.at_weights.d.next = self.is_in[2].val();
+        self.at_any.next = self.at[0].q.val()
+            || self.at[1].q.val()
+            || self.at[2].q.val()
+            || self.at[3].q.val()
+            || self.at[4].q.val()
+            || self.at[5].q.val()
+            || self.at[6].q.val()
+            || self.at[7].q.val();
+        self.is_unchecked.next = !self.is_checked.q.val()
+            && ((self.at[1].q.val() && self.host[3].q.val().get_bit(1)) || self.at[3].q.val());
+        self.is_locked.next = self.host[3].q.val().get_bit(0)
+            && ((self.at_tables.q.val() && self.host[1].q.val().get_bit(0))
                 || (self.at_weights.q.val() && self.guard.hits.val()));
         self.is_protected.next = false;
         if self.reject.q.val() {
             self.rejected_words.d.next = self.rejected_words.q.val() + 1;
         }
 
-        self.written.next = false;
         self.table_valid.next = false;
         self.weight_valid.next = false;
         self.tile_write.next = false;
@@ -473,7 +463,7 @@ impl Logic for BoardRegisters {
             Phase::Write => {
                 if self.is_bad.q.val() {
                     self.phase.d.next = Phase::WriteAnswer;
-                } else if self.is_control_locked.val() {
+                } else if self.is_locked.val() {
                     self.is_protected.next = true;
                     self.phase.d.next = Phase::WriteAnswer;
                 } else if self.at_tables.q.val() {
@@ -496,20 +486,29 @@ impl Logic for BoardRegisters {
                     self.phase.d.next = Phase::WriteAnswer;
                 } else {
                     self.phase.d.next = Phase::WriteAnswer;
-                    for i in 0..8 {
-                        if self.at_control[i].q.val() {
-                            if self.may_write[i].val() {
-                                self.controls[i].d.next = self.control_words[i].val();
-                                self.written.next = true;
-                                if self.at_control[0].q.val() {
-                                    self.unchecked.d.next = false;
-                                }
-                            } else {
-                                self.is_protected.next = true;
+                    self.is_protected.next = self.is_unchecked.val();
+                    if !self.is_unchecked.val() {
+                        if self.at[0].q.val() {
+                            self.unchecked.d.next = false;
+                        }
+                        for i in 4..8 {
+                            if self.at[i - 4].q.val() {
+                                self.host[i - 4].d.next = self.word.q.val() & self.bits[i].val();
                             }
                         }
+                        for i in 40..42 {
+                            if self.at[i - 36].q.val() {
+                                self.host[i - 36].d.next = self.word.q.val() & self.bits[i].val();
+                            }
+                        }
+                        if self.at[6].q.val() {
+                            self.host[6].d.next = self.word.q.val() & self.bits[44].val();
+                        }
+                        if self.at[7].q.val() {
+                            self.host[7].d.next = self.word.q.val() & self.bits[53].val();
+                        }
                     }
-                    self.is_bad.d.next = !self.written.val();
+                    self.is_bad.d.next = !self.at_any.val();
                 }
             }
             Phase::WriteAnswer => {
@@ -519,8 +518,8 @@ impl Logic for BoardRegisters {
             }
             Phase::Read => {
                 // A pixel of codes comes a cycle later than all else.
-                self.is_waiting.d.next = self.in_window[5].val();
-                if self.is_waiting.q.val() || !self.in_window[5].val() {
+                self.is_waiting.d.next = self.is_in[5].val();
+                if self.is_waiting.q.val() || !self.is_in[5].val() {
                     self.is_waiting.d.next = false;
                     self.phase.d.next = Phase::ReadJoin;
                 }
@@ -565,17 +564,16 @@ impl Logic for BoardRegisters {
             self.rejected_words.d.next = 0.into();
             self.unchecked.d.next = self.preserve.val() && self.unchecked.q.val();
             for i in 4..8 {
-                self.controls[i - 4].d.next = self.start[i].val();
+                self.host[i - 4].d.next = self.start[i].val();
             }
             for i in 40..42 {
-                self.controls[i - 36].d.next = self.start[i].val();
+                self.host[i - 36].d.next = self.start[i].val();
             }
-            self.controls[6].d.next = self.start[44].val();
-            self.controls[7].d.next = self.start[53].val();
+            self.host[6].d.next = self.start[44].val();
+            self.host[7].d.next = self.start[53].val();
             if self.preserve.val() {
-                self.controls[0].d.next = self.controls[0].q.val();
-                self.controls[1].d.next =
-                    self.start[5].val() | (self.controls[1].q.val() & self.bank_only.val());
+                self.host[0].d.next = self.host[0].q.val();
+                self.host[1].d.next = self.start[5].val() | (self.host[1].q.val() & self.bank_only.val());
             }
         }
 
@@ -595,16 +593,16 @@ impl Logic for BoardRegisters {
             self.bus.b_resp.next = 2.into();
             self.bus.r_resp.next = 2.into();
         }
-        self.weights_hash.next = self.controls[0].q.val();
-        self.control.next = self.controls[1].q.val();
-        self.scratch.next = self.controls[2].q.val();
-        self.video_setup.next = self.controls[4].q.val();
-        self.chip_access.next = self.controls[5].q.val();
-        self.pattern.next = self.controls[6].q.val();
-        self.window_corner.next = self.controls[7].q.val();
+        self.weights_hash.next = self.host[0].q.val();
+        self.control.next = self.host[1].q.val();
+        self.scratch.next = self.host[2].q.val();
+        self.video_setup.next = self.host[4].q.val();
+        self.chip_access.next = self.host[5].q.val();
+        self.pattern.next = self.host[6].q.val();
+        self.window_corner.next = self.host[7].q.val();
         self.tile_address.next = self.address.q.val().get_bits::<12>(2);
         self.stage_word.next = bit_cast::<7, 6>(self.address.q.val().get_bits::<6>(2));
-        if self.in_window[3].val() {
+        if self.is_in[3].val() {
             self.stage_word.next = bit_cast::<7, 6>(self.address.q.val().get_bits::<6>(2)) | 0x40;
         }
         self.stage_address.next = self.stage_word.val();

@@ -66,15 +66,22 @@ pub struct Display {
     pub clamped_chroma: Signal<Out, Bits<32>>,
     /// Pixels with less than no or more than full light of a colour (colour).
     pub out_of_gamut: Signal<Out, Bits<32>>,
+    #[signed]
     red_of_cr: Constant<Factor>,
+    #[signed]
     green_of_cb: Constant<Factor>,
+    #[signed]
     green_of_cr: Constant<Factor>,
+    #[signed]
     blue_of_cb: Constant<Factor>,
     light_half: Constant<Wide>,
     light_sign: Constant<Wide>,
+    #[signed]
     to_luma: [Constant<Factor>; 3],
     luma_base: Constant<Bits<9>>,
+    #[signed]
     to_cb: [Constant<Factor>; 3],
+    #[signed]
     to_cr: [Constant<Factor>; 3],
     chroma_base: Constant<Wide>,
     next_valid: DFF<Bit>,

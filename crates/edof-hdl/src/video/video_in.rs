@@ -60,7 +60,9 @@ pub struct VideoIn {
     expected_width: Constant<Coordinate>,
     expected_height: Constant<Coordinate>,
     last_column: Constant<Coordinate>,
+    #[formula("4 * FRAME_CYCLES")]
     max_wait: Constant<Bits<24>>,
+    _frame_cycles: u32,
     hs_1: DFF<Bit>,
     vs_1: DFF<Bit>,
     de_1: DFF<Bit>,
@@ -142,6 +144,7 @@ impl VideoIn {
             expected_height: number(frame.height),
             last_column: number(frame.width - 1),
             max_wait: Constant::new(u64::from(max_wait).into()),
+            _frame_cycles: max_wait / 4,
         })
     }
 }

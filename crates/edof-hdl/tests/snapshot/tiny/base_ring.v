@@ -1,14 +1,10 @@
 // Base words that wait for their sums: a ring of eight vectors in block RAM, written as they arrive, read as
-// their sums are taken.
-// The ring never overflows: a stage holds at most four vectors in its store and three in its multipliers and
-// drain. Vector v lies from row
-// 128 v on.
+// their sums are taken. The ring never overflows: a stage holds at most four vectors in its store and three in
+// its multipliers and drain. Vector v lies from row 128 v on.
 //
 // No output follows an input within the cycle.
-//
 // From crates/edof-hdl/src/blocks/base_ring.rs (BaseRing).
 `default_nettype none
-
 module base_ring #(
   parameter [6:0] LAST_BEAT = 7'd31,
   parameter DEPTH = 0
@@ -34,7 +30,6 @@ module base_ring #(
   );
 
   always @(posedge clock_i) begin
-    // base_ring.rs
     write_q <= write_i;
     words_q <= words_i;
     if (write_q) begin
@@ -51,7 +46,6 @@ module base_ring #(
         read_vector_q <= read_vector_q + 3'd1;
       end
     end
-    // base_ring.rs: Reset.
     if (reset_i) begin
       write_q <= 1'b0;
       write_beat_q <= 7'd0;
@@ -61,5 +55,4 @@ module base_ring #(
     end
   end
 endmodule
-
 `default_nettype wire

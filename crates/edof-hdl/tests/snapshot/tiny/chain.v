@@ -1,13 +1,10 @@
 // The stages of a design, I, each M, F: windows in, patches out. Where F has a linear path it takes the window
-// with I.
-// The outputs `between_*` show what stands between the stages, for observation; they cost nothing where they
-// are left open.
+// with I. The outputs `between_*` show what stands between the stages, for observation; they cost nothing where
+// they are left open.
 //
 // No output follows an input within the cycle.
-//
 // From crates/edof-hdl/src/blocks/chain.rs (Chain).
 `default_nettype none
-
 module chain (
   input wire clock_i,                  // Clock.
   // Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until
@@ -57,29 +54,12 @@ module chain (
 
   localparam [3:0] WHOLE_CHAIN = 4'd15;
 
-  reg [31:0] status_word, guard_status_q;
-  wire guard_out_valid, guard_out_last, guard_out_set, stages_0_ready, stages_0_window_ready_unused;
-  wire stages_1_window_ready_unused, stages_2_window_ready_unused, stages_3_window_ready;
-  wire [31:0] guard_out_data, too_short, too_long, stages_0_status, stages_1_status, stages_2_status;
-  wire [31:0] stages_3_out_base_unused, stages_3_status;
+  wire stages_0_ready, stages_3_window_ready;
   reg guard_reset_q, guard_reset_counters_q, guard_snapshot_1_q, guard_snapshot_q;
+  reg [31:0] guard_status_q;
 
-  // chain.rs: Windows, whole ones, go to I, and to F.
-  wire stages_0_valid = guard_out_valid && stages_3_window_ready;
-  wire stages_3_window_valid = guard_out_valid && stages_0_ready;
-
-  // chain.rs: The host.
-  always @* begin
-    status_word = guard_status_q;
-    status_word = status_word | stages_0_status;
-    status_word = status_word | stages_1_status;
-    status_word = status_word | stages_2_status;
-    status_word = status_word | stages_3_status;
-  end
-
-  // chain.rs: The host.
-  assign status_o = status_word;
-
+  wire guard_out_valid, guard_out_last, guard_out_set;
+  wire [31:0] guard_out_data, too_short, too_long;
   window_guard guard (
     .clock_i(clock_i), .reset_i(guard_reset_q), .reset_counters_i(guard_reset_counters_q),
     .valid_i(window_valid_i), .ready_o(window_ready_o), .data_i(window_data_i), .last_i(window_last_i),
@@ -89,6 +69,10 @@ module chain (
     .snapshot_i(guard_snapshot_q), .too_short_o(too_short), .too_long_o(too_long)
   );
 
+  wire stages_0_valid = guard_out_valid && stages_3_window_ready;
+
+  wire stages_0_window_ready_unused;
+  wire [31:0] stages_0_status;
   stage_i stages_0 (
     .clock_i(clock_i), .reset_i(reset_i), .flush_i(flush_i), .valid_i(stages_0_valid),
     .ready_o(stages_0_ready), .data_i(guard_out_data), .base_i(32'd0), .last_i(guard_out_last),
@@ -99,6 +83,8 @@ module chain (
     .status_o(stages_0_status)
   );
 
+  wire stages_1_window_ready_unused;
+  wire [31:0] stages_1_status;
   stage_mf #(
     .ID(4'd1), .BOTH_PORTS(1'b0), .HAS_LINEAR(1'b0), .BANKS(2), .MACC_DEPTH(64), .ROWS(1),
     .MACC_INIT("stage1_bank"), .BASE_FIFO_DEPTH(128), .TWO_ROWS(1'b0), .ALIGNS(1'b0), .LAST_WINDOW(6'd0),
@@ -119,6 +105,8 @@ module chain (
     .status_address_i(status_address_i), .status_o(stages_1_status)
   );
 
+  wire stages_2_window_ready_unused;
+  wire [31:0] stages_2_status;
   stage_mf #(
     .ID(4'd2), .BOTH_PORTS(1'b0), .HAS_LINEAR(1'b0), .BANKS(2), .MACC_DEPTH(64), .ROWS(1),
     .MACC_INIT("stage2_bank"), .BASE_FIFO_DEPTH(0), .TWO_ROWS(1'b0), .ALIGNS(1'b0), .LAST_WINDOW(6'd0),
@@ -139,6 +127,9 @@ module chain (
     .status_address_i(status_address_i), .status_o(stages_2_status)
   );
 
+  wire stages_3_window_valid = guard_out_valid && stages_0_ready;
+
+  wire [31:0] stages_3_out_base_unused, stages_3_status;
   stage_mf #(
     .ID(4'd3), .BOTH_PORTS(1'b1), .HAS_LINEAR(1'b1), .BANKS(8), .MACC_DEPTH(640), .ROWS(2),
     .MACC_INIT("stage3_bank"), .BASE_FIFO_DEPTH(0), .TWO_ROWS(1'b1), .ALIGNS(1'b1), .LAST_WINDOW(6'h1f),
@@ -159,14 +150,24 @@ module chain (
     .write_data_i(write_data_i), .status_address_i(status_address_i), .status_o(stages_3_status)
   );
 
+  reg [31:0] status_word;
+  always @* begin
+    status_word = guard_status_q;
+    status_word = status_word | stages_0_status;
+    status_word = status_word | stages_1_status;
+    status_word = status_word | stages_2_status;
+    status_word = status_word | stages_3_status;
+  end
+
+  assign status_o = status_word;
+
   always @(posedge clock_i) begin
-    // chain.rs: Windows, whole ones, go to I, and to F.
     guard_reset_q <= reset_i || flush_i;
     guard_reset_counters_q <= reset_i;
     guard_snapshot_1_q <= write_valid_i && (write_address_i[24:21] == WHOLE_CHAIN)
         && (write_address_i[20:19] == 2'd3);
     guard_snapshot_q <= guard_snapshot_1_q;
-    // chain.rs: The host.
+    // The host.
     guard_status_q <= 32'd0;
     if (status_address_i[5:2] == WHOLE_CHAIN) begin
       guard_status_q <= too_short;
@@ -174,5 +175,4 @@ module chain (
     end
   end
 endmodule
-
 `default_nettype wire

@@ -2,10 +2,8 @@
 // registers.
 //
 // No output follows an input within the cycle.
-//
 // From crates/edof-hdl/src/blocks/counters.rs (Counter).
 `default_nettype none
-
 module counter (
   input wire clock_i,        // Clock.
   input wire reset_i,        // Sets the count to zero.
@@ -17,19 +15,18 @@ module counter (
   output wire [31:0] count_o
 );
 
-  wire [3:0] delayed;
   reg [1:0] increment_q;
   reg [31:0] count_q, latched_q;
 
-  // counters.rs: Bits 0 and 2 reset, 1 and 3 snapshot: a register for what counts, one for what is shown.
   wire [3:0] marks = {snapshot_i, reset_i, snapshot_i, reset_i};
+
+  wire [3:0] delayed;
+  edof_delay #(.WIDTH(4), .CYCLES(1)) marks_q (.clock_i(clock_i), .data_i(marks), .data_o(delayed));
+
   wire [31:0] base_count = delayed[1] ? 32'd0 : count_q;
   assign count_o = latched_q;
 
-  edof_delay #(.WIDTH(4), .CYCLES(1)) marks_q (.clock_i(clock_i), .data_i(marks), .data_o(delayed));
-
   always @(posedge clock_i) begin
-    // counters.rs: Bits 0 and 2 reset, 1 and 3 snapshot: a register for what counts, one for what is shown.
     increment_q <= 2'd0;
     if (enable_i) increment_q <= {1'b0, events_i[0]} + {1'b0, events_i[1]};
     count_q <= base_count + {30'd0, increment_q};
@@ -38,5 +35,4 @@ module counter (
     if (delayed[2]) latched_q <= 32'd0;
   end
 endmodule
-
 `default_nettype wire

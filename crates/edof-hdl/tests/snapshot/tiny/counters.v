@@ -1,10 +1,8 @@
 // What the host sees of a stage: non-zero words sent (0), saturated results (1), codes (2) and differences (3).
 //
 // Within the cycle: select_i -> value_o
-//
 // From crates/edof-hdl/src/blocks/counters.rs (Counters).
 `default_nettype none
-
 module counters (
   input wire clock_i,             // Clock.
   input wire reset_i,             // Sets the count to zero.
@@ -19,9 +17,30 @@ module counters (
   output reg [31:0] value_o       // Value of the selected counter.
 );
 
-  wire [31:0] count_nonzero_count, count_results_count, count_codes_count, count_differences_count;
+  wire [31:0] count_nonzero_count;
+  counter count_nonzero (
+    .clock_i(clock_i), .reset_i(reset_i), .enable_i(enable_i), .events_i(nonzero_i),
+    .snapshot_i(snapshot_i), .count_o(count_nonzero_count)
+  );
 
-  // counters.rs
+  wire [31:0] count_results_count;
+  counter count_results (
+    .clock_i(clock_i), .reset_i(reset_i), .enable_i(enable_i), .events_i(results_i),
+    .snapshot_i(snapshot_i), .count_o(count_results_count)
+  );
+
+  wire [31:0] count_codes_count;
+  counter count_codes (
+    .clock_i(clock_i), .reset_i(reset_i), .enable_i(enable_i), .events_i(codes_i),
+    .snapshot_i(snapshot_i), .count_o(count_codes_count)
+  );
+
+  wire [31:0] count_differences_count;
+  counter count_differences (
+    .clock_i(clock_i), .reset_i(reset_i), .enable_i(enable_i), .events_i(differences_i),
+    .snapshot_i(snapshot_i), .count_o(count_differences_count)
+  );
+
   always @* begin
     case (select_i)
       2'd1: value_o = count_results_count;
@@ -30,26 +49,5 @@ module counters (
       default: value_o = count_nonzero_count;
     endcase
   end
-
-  counter count_nonzero (
-    .clock_i(clock_i), .reset_i(reset_i), .enable_i(enable_i), .events_i(nonzero_i),
-    .snapshot_i(snapshot_i), .count_o(count_nonzero_count)
-  );
-
-  counter count_results (
-    .clock_i(clock_i), .reset_i(reset_i), .enable_i(enable_i), .events_i(results_i),
-    .snapshot_i(snapshot_i), .count_o(count_results_count)
-  );
-
-  counter count_codes (
-    .clock_i(clock_i), .reset_i(reset_i), .enable_i(enable_i), .events_i(codes_i),
-    .snapshot_i(snapshot_i), .count_o(count_codes_count)
-  );
-
-  counter count_differences (
-    .clock_i(clock_i), .reset_i(reset_i), .enable_i(enable_i), .events_i(differences_i),
-    .snapshot_i(snapshot_i), .count_o(count_differences_count)
-  );
 endmodule
-
 `default_nettype wire

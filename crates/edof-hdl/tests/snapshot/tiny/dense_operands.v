@@ -2,10 +2,8 @@
 // work are 0.
 //
 // No output follows an input within the cycle.
-//
 // From crates/edof-hdl/src/blocks/dense_operands.rs (DenseOperands).
 `default_nettype none
-
 module dense_operands (
   input wire clock_i,           // Clock.
 
@@ -27,14 +25,13 @@ module dense_operands (
 );
 
   reg [11:0] row_q;
-  wire [2:0] flags_to_2_delayed;
   reg [15:0] value_a_3_q, value_b_3_q, value_c_3_q, value_d_3_q;
   reg [24:0] value_a_4_q, value_b_4_q, value_c_4_q, value_d_4_q;
 
-  // dense_operands.rs: With the step, until what it read is there: bit 0 first, 1 valid, 2 odd.
+  // With the step, until what it read is there: bit 0 first, 1 valid, 2 odd.
   wire [2:0] flags = {odd_i, valid_i, first_i};
 
-  // dense_operands.rs: Cycle 4: as wide as a multiplier's input.
+  // Cycle 4: as wide as a multiplier's input.
   wire [24:0] wide_a = {{9{value_a_3_q[15]}}, value_a_3_q};
   wire [24:0] wide_b = {{9{value_b_3_q[15]}}, value_b_3_q};
   wire [24:0] wide_c = {{9{value_c_3_q[15]}}, value_c_3_q};
@@ -44,6 +41,7 @@ module dense_operands (
   assign value_c_o = value_c_4_q;
   assign value_d_o = value_d_4_q;
 
+  wire [2:0] flags_to_2_delayed;
   edof_delay #(.WIDTH(3), .CYCLES(2)) flags_to_2 (
     .clock_i(clock_i), .data_i(flags), .data_o(flags_to_2_delayed)
   );
@@ -55,9 +53,8 @@ module dense_operands (
   );
 
   always @(posedge clock_i) begin
-    // dense_operands.rs: With the step, until what it read is there: bit 0 first, 1 valid, 2 odd.
     row_q <= base_i + offset_i;
-    // dense_operands.rs: Cycle 3: the element of two.
+    // Cycle 3: the element of two.
     value_a_3_q <= pair_a_i[15:0];
     value_b_3_q <= pair_b_i[15:0];
     value_c_3_q <= pair_c_i[15:0];
@@ -74,12 +71,10 @@ module dense_operands (
       value_c_3_q <= 16'd0;
       value_d_3_q <= 16'd0;
     end
-    // dense_operands.rs: Cycle 4: as wide as a multiplier's input.
     value_a_4_q <= wide_a;
     value_b_4_q <= wide_b;
     value_c_4_q <= wide_c;
     value_d_4_q <= wide_d;
   end
 endmodule
-
 `default_nettype wire

@@ -1,16 +1,12 @@
-// When sums are copied out of the multipliers, and when the copies are taken, two a cycle.
-// A pass's sums stand ready seven cycles after its last step and are copied with the last take of the drain
-// before, or later. A drain
-// begins when all that it takes has room in the FIFO, and then takes in every cycle, two times at least. Two
-// passes may be between
-// their start and their release: the next one's sums come so late that a drain may still have some takes to go.
-// Copy and take leave a cycle after they are decided.
+// When sums are copied out of the multipliers, and when the copies are taken, two a cycle. A pass's sums stand
+// ready seven cycles after its last step and are copied with the last take of the drain before, or later. A
+// drain begins when all that it takes has room in the FIFO, and then takes in every cycle, two times at least.
+// Two passes may be between their start and their release: the next one's sums come so late that a drain may
+// still have some takes to go. Copy and take leave a cycle after they are decided.
 //
 // No output follows an input within the cycle.
-//
 // From crates/edof-hdl/src/blocks/drain.rs (Drain).
 `default_nettype none
-
 module drain #(
   parameter [7:0] BEFORE_LAST_TAKE = 8'd7,
   parameter [7:0] RELEASE_AT = 8'd7,
@@ -34,29 +30,25 @@ module drain #(
 
   localparam [7:0] ALL_CREDITS = 8'd128;
 
-  wire [1:0] delayed;
   reg sum_ready_q, sum_set_q, busy_q, loaded_q, is_active_q, at_last_q, drain_set_q, has_credits_q, copy_q;
   reg take_q, last_q, set_q;
   reg [7:0] remaining_q, beat_q, credits_q, taken_beat_q;
 
-  // drain.rs
   wire [1:0] issued = (pass_issued_i && set_i) ? 2'd3 : (pass_issued_i ? 2'd1 : 2'd0);
   wire copy_now = sum_ready_q && (!busy_q || (is_active_q && at_last_q));
   wire pop = is_active_q || (loaded_q && has_credits_q);
   assign release_o = pop && (remaining_q == RELEASE_AT);
-
-  // drain.rs: A cycle later.
   assign copy_o = copy_q;
   assign take_o = take_q;
   assign beat_o = taken_beat_q;
   assign last_o = last_q;
   assign take_set_o = set_q;
 
+  wire [1:0] delayed;
   edof_delay #(.WIDTH(2), .CYCLES(6)) in_flight (.clock_i(clock_i), .data_i(issued), .data_o(delayed));
 
   always @(posedge clock_i) begin
-    // drain.rs: A pass whose sums are taken, copied, stand ready: the last take of one may be the copy of
-    // the next.
+    // A pass whose sums are taken, copied, stand ready: the last take of one may be the copy of the next.
     if (pop) begin
       loaded_q <= 1'b0;
       is_active_q <= 1'b1;
@@ -81,19 +73,17 @@ module drain #(
       sum_ready_q <= 1'b1;
       sum_set_q <= delayed[1];
     end
-    // drain.rs: Room in the FIFO.
+    // Room in the FIFO.
     if (pop && !credit_return_i) credits_q <= credits_q - 8'd1;
     else if (credit_return_i && !pop) credits_q <= credits_q + 8'd1;
-    // drain.rs: A drain may begin in the cycle after the last take of the one before: that one's credit is
-    // spent.
+    // A drain may begin in the cycle after the last take of the one before: that one's credit is spent.
     has_credits_q <= (credits_q > NEEDED_CREDITS) || ((credits_q == NEEDED_CREDITS) && !pop);
-    // drain.rs: A cycle later.
+    // A cycle later.
     copy_q <= copy_now;
     take_q <= pop;
     taken_beat_q <= beat_q;
     last_q <= beat_q == LAST_BEAT;
     set_q <= drain_set_q;
-    // drain.rs: Reset.
     if (reset_i) begin
       sum_ready_q <= 1'b0;
       busy_q <= 1'b0;
@@ -104,5 +94,4 @@ module drain #(
     end
   end
 endmodule
-
 `default_nettype wire

@@ -1,13 +1,10 @@
 // The CRC (`edof_device::crc`) of every frame of beats that passes a boundary, and how many frames there were.
-// It only looks: nothing waits for it.
-// A snapshot copies the last whole frame's CRC and number to where they are shown, so that those of several
-// boundaries belong together.
+// It only looks: nothing waits for it. A snapshot copies the last whole frame's CRC and number to where they
+// are shown, so that those of several boundaries belong together.
 //
 // No output follows an input within the cycle.
-//
 // From crates/edof-hdl/src/blocks/frame_check.rs (FrameCheck).
 `default_nettype none
-
 module frame_check_w32 #(
   parameter [27:0] LAST_BEAT = 28'd383
 ) (
@@ -21,30 +18,26 @@ module frame_check_w32 #(
   output wire [7:0] frames_o // Frames that were whole by then, modulo 256.
 );
 
-  wire [1:0] delayed;
-  wire [31:0] frame_crc_crc;
   reg valid_q, is_first_q, at_end_q, ends_q;
   reg [27:0] remaining_q;
   reg [31:0] whole_q, latched_q;
   reg [7:0] frames_q, latched_frames_q;
 
-  // frame_check.rs
-  wire [1:0] resets_data = reset_i ? 2'd3 : 2'd0;
-
-  // frame_check.rs: Which beat it is; the CRC is made a cycle after its last one.
   assign crc_o = latched_q;
   assign frames_o = latched_frames_q;
+  wire [1:0] resets_data = reset_i ? 2'd3 : 2'd0;
 
+  wire [1:0] delayed;
   edof_delay #(.WIDTH(2), .CYCLES(1)) resets (.clock_i(clock_i), .data_i(resets_data), .data_o(delayed));
 
+  wire [31:0] frame_crc_crc;
   edof_crc #(.WIDTH(32)) frame_crc (
     .clock_i(clock_i), .valid_i(valid_q), .first_i(is_first_q), .data_i(data_i), .crc_o(frame_crc_crc)
   );
 
   always @(posedge clock_i) begin
-    // frame_check.rs
     valid_q <= valid_i;
-    // frame_check.rs: Which beat it is; the CRC is made a cycle after its last one.
+    // Which beat it is; the CRC is made a cycle after its last one.
     ends_q <= valid_q && at_end_q;
     if (valid_q) begin
       is_first_q <= at_end_q;
@@ -68,7 +61,6 @@ module frame_check_w32 #(
       latched_q <= 32'd0;
       latched_frames_q <= 8'd0;
     end
-    // frame_check.rs: Reset.
     if (reset_i) begin
       valid_q <= 1'b0;
       is_first_q <= 1'b1;
@@ -78,5 +70,4 @@ module frame_check_w32 #(
     end
   end
 endmodule
-
 `default_nettype wire

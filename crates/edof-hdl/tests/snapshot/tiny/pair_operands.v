@@ -1,12 +1,9 @@
 // From what a step read to rows of weights and values, four cycles after the step: pairs, or pixels of the
-// window (F), shifted left
-// where F aligns its two sums. A value without work is 0.
+// window (F), shifted left where F aligns its two sums. A value without work is 0.
 //
 // No output follows an input within the cycle.
-//
 // From crates/edof-hdl/src/blocks/pair_operands.rs (PairOperands).
 `default_nettype none
-
 module pair_operands #(
   parameter ALIGNS = 1'b0,
   parameter TWO_ROWS = 1'b0
@@ -33,23 +30,25 @@ module pair_operands #(
   output wire [24:0] value_b_o    // The second one.
 );
 
-  wire [5:0] flags_to_2_delayed;
-  wire [23:0] rows_to_2_delayed;
   reg [15:0] value_a_3_q, value_b_3_q;
   reg [11:0] base_3_q, offset_a_3_q, offset_b_3_q, address_a_4_q, address_b_4_q;
   reg [3:0] shift_3_q;
   reg [24:0] value_a_4_q, value_b_4_q;
 
-  // pair_operands.rs: With the step, until what it read is there: bit 0 first, 1 valid, 2 a second valid, 3
-  // window, 4 odd, 5 set.
+  // With the step, until what it read is there: bit 0 first, 1 valid, 2 a second valid, 3 window, 4 odd, 5 set.
   wire [5:0] flags = {set_i, odd_i, linear_i, valid_b_i, valid_a_i, first_i};
 
-  // pair_operands.rs: Cycle 3: the pair or pixel.
+  wire [5:0] flags_to_2_delayed;
+  edof_delay #(.WIDTH(6), .CYCLES(2)) flags_to_2 (
+    .clock_i(clock_i), .data_i(flags), .data_o(flags_to_2_delayed)
+  );
+
+  // Cycle 3: the pair or pixel.
   wire [24:0] pair_a = flags_to_2_delayed[4] ? odd_pair_i : even_pair_i;
   wire [15:0] pixel_a = flags_to_2_delayed[4] ? pixels_i[31:16] : pixels_i[15:0];
   wire [7:0] shifts = flags_to_2_delayed[5] ? shifts_1_i : shifts_0_i;
 
-  // pair_operands.rs: Cycle 4: aligned, and its row.
+  // Cycle 4: aligned, and its row.
   wire [24:0] wide_a = {{9{value_a_3_q[15]}}, value_a_3_q};
   wire [24:0] wide_b = {{9{value_b_3_q[15]}}, value_b_3_q};
   assign address_a_o = address_a_4_q;
@@ -57,10 +56,7 @@ module pair_operands #(
   assign value_a_o = value_a_4_q;
   assign value_b_o = value_b_4_q;
 
-  edof_delay #(.WIDTH(6), .CYCLES(2)) flags_to_2 (
-    .clock_i(clock_i), .data_i(flags), .data_o(flags_to_2_delayed)
-  );
-
+  wire [23:0] rows_to_2_delayed;
   edof_delay #(.WIDTH(24), .CYCLES(2)) rows_to_2 (
     .clock_i(clock_i), .data_i({base_i, offset_i}), .data_o(rows_to_2_delayed)
   );
@@ -70,7 +66,6 @@ module pair_operands #(
   );
 
   always @(posedge clock_i) begin
-    // pair_operands.rs: Cycle 3: the pair or pixel.
     value_a_3_q <= pair_a[15:0];
     value_b_3_q <= odd_pair_i[15:0];
     offset_a_3_q <= {3'd0, pair_a[24:16]};
@@ -83,7 +78,7 @@ module pair_operands #(
       offset_b_3_q <= rows_to_2_delayed[11:0] | 12'd1;
       shift_3_q <= shifts[7:4];
     end
-    // pair_operands.rs: Without work the row is one that there is, not what an unwritten pair says.
+    // Without work the row is one that there is, not what an unwritten pair says.
     if (!flags_to_2_delayed[1]) begin
       value_a_3_q <= 16'd0;
       offset_a_3_q <= 12'd0;
@@ -93,7 +88,6 @@ module pair_operands #(
       offset_b_3_q <= 12'd0;
     end
     base_3_q <= rows_to_2_delayed[23:12];
-    // pair_operands.rs: Cycle 4: aligned, and its row.
     value_a_4_q <= wide_a;
     value_b_4_q <= wide_b;
     if (ALIGNS) begin
@@ -104,5 +98,4 @@ module pair_operands #(
     address_b_4_q <= base_3_q + offset_b_3_q;
   end
 endmodule
-
 `default_nettype wire

@@ -1,16 +1,11 @@
 // From dense vectors to (index, value) pairs: four slots, one fills while others wait and one is read, as often
-// as there are passes.
-// Ready while fewer than four are full. With skip_zeros only non-zero elements are kept. Pair 2r of slot s lies
-// at row 128 s + r of
-// the even memory, pair 2r + 1 at the same row of the odd one; both are read two cycles after read_row. A
-// vector's descriptor comes three
-// cycles after its last beat.
+// as there are passes. Ready while fewer than four are full. With skip_zeros only non-zero elements are kept.
+// Pair 2r of slot s lies at row 128 s + r of the even memory, pair 2r + 1 at the same row of the odd one; both
+// are read two cycles after read_row. A vector's descriptor comes three cycles after its last beat.
 //
 // No output follows an input within the cycle.
-//
 // From crates/edof-hdl/src/blocks/pair_store.rs (PairStore).
 `default_nettype none
-
 module pair_store #(
   parameter TWO_ROWS = 1'b0
 ) (
@@ -34,29 +29,28 @@ module pair_store #(
 
   localparam [2:0] ALL_SLOTS = 3'd4;
 
-  reg [2:0] full_next, full_q;
-  reg [7:0] steps, beat_q;
-  reg [3:0] flags;
+  reg [2:0] full_q;
   reg ready_q, valid_1_q, last_1_q, set_1_q, valid_2_q, store_even_2_q, store_odd_2_q, last_2_q, set_2_q;
   reg even_write_3_q, odd_write_3_q, arrived_3_q, set_3_q;
   reg [15:0] even_1_q, odd_1_q, even_2_q, odd_2_q;
+  reg [7:0] beat_q;
   reg [8:0] stored_q, count_3_q;
   reg [1:0] write_slot_q;
   reg [11:0] even_row_3_q, odd_row_3_q;
   reg [24:0] even_data_3_q, odd_data_3_q;
 
-  // pair_store.rs: Room for a vector.
+  // Room for a vector.
   assign ready_o = ready_q;
   wire accept = valid_i && ready_q;
 
-  // pair_store.rs: Room for a vector.
+  reg [2:0] full_next;
   always @* begin
     full_next = full_q;
     if (accept && last_i && !finished_i) full_next = full_q + 3'd1;
     else if (finished_i && (!(accept && last_i))) full_next = full_q - 3'd1;
   end
 
-  // pair_store.rs: Where they go.
+  // Where they go.
   wire store_one = store_even_2_q || store_odd_2_q;
   wire store_both = store_even_2_q && store_odd_2_q;
   wire [24:0] arrived_even = {beat_q, 1'b0, even_2_q};
@@ -64,13 +58,10 @@ module pair_store #(
   wire [24:0] arrived_first = store_even_2_q ? arrived_even : arrived_odd;
   wire [11:0] row = ({10'd0, write_slot_q} << 7) | {4'd0, stored_q[8:1]};
   wire [8:0] stored_next = store_both ? (stored_q + 9'd2) : (store_one ? (stored_q + 9'd1) : stored_q);
-
-  // pair_store.rs: Written; and what the sequencer must know: steps before the last, and whether the last
-  // one lacks a second pair.
   wire [8:0] before_last = count_3_q - 9'd1;
 
-  // pair_store.rs: Written; and what the sequencer must know: steps before the last, and whether the last
-  // one lacks a second pair.
+  reg [7:0] steps;
+  reg [3:0] flags;
   always @* begin
     steps = before_last[7:0];
     flags = 4'd0;
@@ -87,8 +78,6 @@ module pair_store #(
     end
   end
 
-  // pair_store.rs: Written; and what the sequencer must know: steps before the last, and whether the last
-  // one lacks a second pair.
   assign arrived_o = arrived_3_q;
   assign descriptor_o = {steps, flags};
 
@@ -103,10 +92,9 @@ module pair_store #(
   );
 
   always @(posedge clock_i) begin
-    // pair_store.rs: Room for a vector.
     full_q <= full_next;
     ready_q <= full_next != ALL_SLOTS;
-    // pair_store.rs: Which elements are kept.
+    // Which elements are kept.
     valid_1_q <= accept;
     even_1_q <= even_i;
     odd_1_q <= odd_i;
@@ -119,7 +107,6 @@ module pair_store #(
     odd_2_q <= odd_1_q;
     last_2_q <= last_1_q;
     set_2_q <= set_1_q;
-    // pair_store.rs: Where they go.
     even_write_3_q <= store_one;
     even_row_3_q <= row;
     even_data_3_q <= arrived_first;
@@ -145,7 +132,6 @@ module pair_store #(
     arrived_3_q <= valid_2_q && last_2_q;
     count_3_q <= stored_next;
     set_3_q <= set_2_q;
-    // pair_store.rs: Reset.
     if (reset_i) begin
       full_q <= 3'd0;
       ready_q <= 1'b0;
@@ -162,5 +148,4 @@ module pair_store #(
     end
   end
 endmodule
-
 `default_nettype wire

@@ -1,16 +1,12 @@
 // Reads rows of a memory of the stage one after the other, each in 256 cycles, and makes a CRC-32 (of IEEE
-// 802.3) of them: a row is 64
-// bits, the lowest first. The last row stays to be looked at. A row of weights is asked for until it is
-// `taken`, which costs the
-// multipliers a step; thresholds until there is a pause in which they are not used; a register is there at
-// once. A command ends the
-// one before, and begins 64 cycles later, when nothing of that is on its way any more.
+// 802.3) of them: a row is 64 bits, the lowest first. The last row stays to be looked at. A row of weights is
+// asked for until it is `taken`, which costs the multipliers a step; thresholds until there is a pause in which
+// they are not used; a register is there at once. A command ends the one before, and begins 64 cycles later,
+// when nothing of that is on its way any more.
 //
 // Within the cycle: select_i -> value_o
-//
 // From crates/edof-hdl/src/blocks/reader.rs (Reader).
 `default_nettype none
-
 module reader (
   input wire clock_i,               // Clock.
   input wire reset_i,               // Stops and forgets.
@@ -34,33 +30,28 @@ module reader (
   output wire [31:0] value_o        // Word that `select` selects.
 );
 
-  localparam [31:0] POLYNOMIAL = 32'hedb88320;
-  localparam [31:0] ONES = 32'hffffffff;
+  localparam [31:0] POLYNOMIAL = 32'hedb88320, ONES = 32'hffffffff;
   localparam [63:0] TOP = 64'h8000000000000000;
 
-  reg [31:0] status_word, read_word_q, crc_q;
   reg is_active_q, fresh_q, request_q, at_end_q, clear_word_q, clear_crc_q;
   reg [1:0] space_q;
   reg [5:0] bank_q;
   reg [11:0] row_q, remaining_q;
   reg [7:0] cycle_q;
-  wire [1:0] delayed;
+  reg [31:0] read_word_q, crc_q;
   reg [63:0] word_q;
 
-  // reader.rs: A row is asked for in cycle 0, as long as it takes; it is here before the 192nd, and goes
-  // through the CRC in the last 64.
+  // A row is asked for in cycle 0, as long as it takes; it is here before the 192nd, and goes through the CRC
+  // in the last 64.
   wire advance = request_q && (grant_i || (thresholds_valid_i && (|space_q)) || (space_q == 2'd3));
-  wire [1:0] shifts_data = (is_active_q && (cycle_q[7:6] == 2'd3)) ? 2'd3 : 2'd0;
   wire restart = at_end_q && (fresh_q || (|remaining_q));
-
-  // reader.rs: What comes is gathered by or; 64 turns later the row is as it was.
   wire [63:0] rotated = word_q[0] ? ((word_q >> 1) | TOP) : (word_q >> 1);
   assign request_weights_o = request_q && (space_q == 2'd0);
   assign request_thresholds_o = request_q && ((space_q == 2'd1) || (space_q == 2'd2));
   assign bank_o = bank_q;
   assign row_o = row_q;
 
-  // reader.rs
+  reg [31:0] status_word;
   always @* begin
     case (select_i)
       2'd1: status_word = word_q[31:0];
@@ -73,14 +64,13 @@ module reader (
     endcase
   end
 
-  // reader.rs
   assign value_o = status_word;
+  wire [1:0] shifts_data = (is_active_q && (cycle_q[7:6] == 2'd3)) ? 2'd3 : 2'd0;
 
+  wire [1:0] delayed;
   edof_delay #(.WIDTH(2), .CYCLES(1)) shifts (.clock_i(clock_i), .data_i(shifts_data), .data_o(delayed));
 
   always @(posedge clock_i) begin
-    // reader.rs: A row is asked for in cycle 0, as long as it takes; it is here before the 192nd, and goes
-    // through the CRC in the last 64.
     if (is_active_q && (!request_q || advance)) cycle_q <= cycle_q + 8'd1;
     at_end_q <= is_active_q && (cycle_q == 8'd254);
     if (advance) request_q <= 1'b0;
@@ -106,7 +96,7 @@ module reader (
     end
     clear_word_q <= restart || reset_i;
     clear_crc_q <= (at_end_q && fresh_q) || reset_i;
-    // reader.rs: What comes is gathered by or; 64 turns later the row is as it was.
+    // What comes is gathered by or; 64 turns later the row is as it was.
     read_word_q <= 32'd0;
     if (advance && (space_q == 2'd1)) read_word_q <= thresholds_i;
     else if (advance && (space_q == 2'd2)) read_word_q <= previous_i;
@@ -119,7 +109,6 @@ module reader (
       if (crc_q[0] != word_q[0]) crc_q <= (crc_q >> 1) ^ POLYNOMIAL;
     end
     if (clear_crc_q) crc_q <= ONES;
-    // reader.rs: Reset.
     if (reset_i) begin
       is_active_q <= 1'b0;
       request_q <= 1'b0;
@@ -128,5 +117,4 @@ module reader (
     end
   end
 endmodule
-
 `default_nettype wire

@@ -2,10 +2,8 @@
 // control.
 //
 // No output follows an input within the cycle.
-//
 // From crates/edof-hdl/src/blocks/registers.rs (Registers).
 `default_nettype none
-
 module registers #(
   parameter INIT = "stage0_shifts.mem"
 ) (
@@ -22,25 +20,22 @@ module registers #(
 
   localparam START_SKIP = 1'b1;
 
-  wire [19:0] start_first, second;
   reg [19:0] shifts_0_q, shifts_1_q;
   reg skip_q;
 
-  // registers.rs
   assign shifts_0_o = shifts_0_q;
   assign shifts_1_o = shifts_1_q;
   assign skip_zeros_o = skip_q;
 
+  wire [19:0] start_first, second;
   edof_start #(.WIDTH(20), .INIT(INIT)) start (.clock_i(clock_i), .first_o(start_first), .second_o(second));
 
   always @(posedge clock_i) begin
-    // registers.rs
     if (write_enable_i) begin
       if (write_row_i == 12'd0) shifts_0_q <= write_data_i[19:0];
       else if (write_row_i == 12'd1) shifts_1_q <= write_data_i[19:0];
       else if (write_row_i == 12'd2) skip_q <= write_data_i[0];
     end
-    // registers.rs: Reset.
     if (reset_i) begin
       shifts_0_q <= start_first;
       shifts_1_q <= second;
@@ -51,5 +46,4 @@ module registers #(
   // Not every bit of these is read.
   wire unused = ^write_data_i;
 endmodule
-
 `default_nettype wire

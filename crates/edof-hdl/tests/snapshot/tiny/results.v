@@ -1,17 +1,14 @@
 // From sums to output words, two elements per cycle. Counted from `take`: 7 sums and base stand here, 8 to 17
-// base, rounding,
-// shift and saturation, 18 to 20 threshold, 21 to 23 difference or wait. Nothing in here ever stalls.
-// A memory of depth 0 and a delay of 0 cycles are absent: what only other stages need costs nothing.
+// base, rounding, shift and saturation, 18 to 20 threshold, 21 to 23 difference or wait. Nothing in here ever
+// stalls. A memory of depth 0 and a delay of 0 cycles are absent: what only other stages need costs nothing.
 //
 // No output follows an input within the cycle.
-//
 // From crates/edof-hdl/src/blocks/results.rs (Results).
 `default_nettype none
-
 module results #(
   parameter [11:0] SET_ROWS = 12'd8,
-  parameter SHRINKS = 1'b1,                 // Codes are sent (I, M), not results (F).
-  parameter PASSES_BASE = 1'b0,             // Base words for the next stage are those that came in.
+  parameter SHRINKS = 1'b1,     // Codes are sent (I, M), not results (F).
+  parameter PASSES_BASE = 1'b0, // Base words for the next stage are those that came in.
   parameter THRESHOLDS_DEPTH = 16,
   parameter INIT = "stage0_thresholds.mem",
   parameter CODE_FLAGS_CYCLES = 3,
@@ -54,66 +51,53 @@ module results #(
   output wire [1:0] difference_saturated_o // Which differences did not fit.
 );
 
-  wire [2:0] marks_to_5_delayed, marks_to_6_delayed, marks_to_23_delayed;
-  wire [9:0] place_to_15_delayed;
   reg read_16_q, read_17_q, base_mark_q;
   reg [11:0] threshold_row_q, shifts_q;
-  wire [15:0] requantize_even_result, requantize_odd_result, shrink_even_result, shrink_odd_result;
-  wire requantize_even_saturated, requantize_odd_saturated, shrink_even_saturated, shrink_odd_saturated;
-  wire [31:0] base_ring_front, codes_to_23_delayed, result_to_23_delayed, base_to_23_delayed;
+  wire [31:0] base_ring_front;
 
-  // results.rs: What travels with a beat: bit 0 it is one, bit 1 last, bit 2 set.
+  // What travels with a beat: bit 0 it is one, bit 1 last, bit 2 set.
   wire [2:0] marks = {set_i, last_i, take_i};
   wire [9:0] place = {take_i, set_i, beat_i};
 
-  // results.rs: Cycles 7 to 17: base and rounding.
-  wire [31:0] result = {requantize_odd_result, requantize_even_result};
-
-  // results.rs: Cycles 18 to 20: thresholds, read in cycle 17.
-  assign read_valid_o = read_17_q;
-  assign read_previous_o = 32'd0;
-  wire [31:0] code = {shrink_odd_result, shrink_even_result};
-  wire [31:0] sent = SHRINKS ? codes_to_23_delayed : result_to_23_delayed;
-
-  // results.rs: Cycles 21 to 23: the difference to the z before, made again from the base and the
-  // thresholds before.
-  assign difference_saturated_o = {1'b0, 1'b0};
-
-  // results.rs: Output words. Base words that only pass through wait where all do, in the FIFO behind.
-  assign base_push_o = PASSES_BASE ? base_mark_q : marks_to_23_delayed[0];
-  assign base_o = PASSES_BASE ? base_ring_front : base_to_23_delayed;
-  assign data_o = sent;
-  assign push_o = marks_to_23_delayed[0];
-  assign done_o = marks_to_23_delayed[2:1];
-  assign nonzero_o = {|sent[31:16], |sent[15:0]};
-
+  wire [2:0] marks_to_5_delayed;
   edof_delay #(.WIDTH(3), .CYCLES(5)) marks_to_5 (
     .clock_i(clock_i), .data_i(marks), .data_o(marks_to_5_delayed)
   );
 
+  wire [2:0] marks_to_6_delayed;
   edof_delay #(.WIDTH(3), .CYCLES(1)) marks_to_6 (
     .clock_i(clock_i), .data_i(marks_to_5_delayed), .data_o(marks_to_6_delayed)
   );
 
+  wire [2:0] marks_to_23_delayed;
   edof_delay #(.WIDTH(3), .CYCLES(17)) marks_to_23 (
     .clock_i(clock_i), .data_i(marks_to_6_delayed), .data_o(marks_to_23_delayed)
   );
 
+  wire [9:0] place_to_15_delayed;
   edof_delay #(.WIDTH(10), .CYCLES(15)) place_to_15 (
     .clock_i(clock_i), .data_i(place), .data_o(place_to_15_delayed)
   );
 
+  wire [15:0] requantize_even_result;
+  wire requantize_even_saturated;
   requantize #(.BASE_BITS(BASE_BITS)) requantize_even (
     .clock_i(clock_i), .sum_i(sum_even_i), .base_i(base_ring_front[15:0]), .base_shift_i(shifts_q[11:6]),
     .result_shift_i(shifts_q[5:0]), .result_o(requantize_even_result),
     .saturated_o(requantize_even_saturated)
   );
 
+  wire [15:0] requantize_odd_result;
+  wire requantize_odd_saturated;
   requantize #(.BASE_BITS(BASE_BITS)) requantize_odd (
     .clock_i(clock_i), .sum_i(sum_odd_i), .base_i(base_ring_front[31:16]), .base_shift_i(shifts_q[11:6]),
     .result_shift_i(shifts_q[5:0]), .result_o(requantize_odd_result),
     .saturated_o(requantize_odd_saturated)
   );
+
+  wire [31:0] result = {requantize_odd_result, requantize_even_result};
+  assign read_valid_o = read_17_q;
+  assign read_previous_o = 32'd0;
 
   edof_delay #(.WIDTH(2), .CYCLES(6)) result_flags (
     .clock_i(clock_i), .data_i({requantize_odd_saturated, requantize_even_saturated}),
@@ -130,49 +114,65 @@ module results #(
     .write_enable_i(write_thresholds_i), .write_address_i(write_row_i), .write_data_i(write_data_i)
   );
 
+  wire [15:0] shrink_even_result;
+  wire shrink_even_saturated;
   shrink shrink_even (
     .clock_i(clock_i), .code_i(requantize_even_result), .threshold_i(read_thresholds_o[15:0]),
     .result_o(shrink_even_result), .saturated_o(shrink_even_saturated)
   );
 
+  wire [15:0] shrink_odd_result;
+  wire shrink_odd_saturated;
   shrink shrink_odd (
     .clock_i(clock_i), .code_i(requantize_odd_result), .threshold_i(read_thresholds_o[31:16]),
     .result_o(shrink_odd_result), .saturated_o(shrink_odd_saturated)
   );
 
+  wire [31:0] code = {shrink_odd_result, shrink_even_result};
+
   edof_delay #(.WIDTH(2), .CYCLES(CODE_FLAGS_CYCLES)) code_flags (
     .clock_i(clock_i), .data_i({shrink_odd_saturated, shrink_even_saturated}), .data_o(code_saturated_o)
   );
 
+  wire [31:0] codes_to_23_delayed;
   edof_delay #(.WIDTH(32), .CYCLES(CODE_FLAGS_CYCLES)) codes_to_23 (
     .clock_i(clock_i), .data_i(code), .data_o(codes_to_23_delayed)
   );
 
+  wire [31:0] result_to_23_delayed;
   edof_delay #(.WIDTH(32), .CYCLES(RESULT_TO_23_CYCLES)) result_to_23 (
     .clock_i(clock_i), .data_i(result), .data_o(result_to_23_delayed)
   );
 
+  wire [31:0] sent = SHRINKS ? codes_to_23_delayed : result_to_23_delayed;
+  assign difference_saturated_o = {1'b0, 1'b0};
+  assign base_push_o = PASSES_BASE ? base_mark_q : marks_to_23_delayed[0];
+
+  wire [31:0] base_to_23_delayed;
   edof_delay #(.WIDTH(32), .CYCLES(BASE_TO_23_CYCLES)) base_to_23 (
     .clock_i(clock_i), .data_i(result), .data_o(base_to_23_delayed)
   );
 
+  assign base_o = PASSES_BASE ? base_ring_front : base_to_23_delayed;
+  assign data_o = sent;
+  assign push_o = marks_to_23_delayed[0];
+  assign done_o = marks_to_23_delayed[2:1];
+  assign nonzero_o = {|sent[31:16], |sent[15:0]};
+
   always @(posedge clock_i) begin
-    // results.rs: Cycles 7 to 17: base and rounding.
     shifts_q <= shifts_0_i[11:0];
     if (marks_to_6_delayed[2]) shifts_q <= shifts_1_i[11:0];
-    // results.rs: Cycles 18 to 20: thresholds, read in cycle 17.
+    // Cycles 18 to 20: thresholds, read in cycle 17.
     threshold_row_q <= {4'd0, place_to_15_delayed[7:0]};
     if (place_to_15_delayed[8]) threshold_row_q <= {4'd0, place_to_15_delayed[7:0]} + SET_ROWS;
     read_16_q <= read_wanted_i;
     if (place_to_15_delayed[9]) read_16_q <= 1'b0;
     else threshold_row_q <= read_row_i;
     read_17_q <= read_16_q;
-    // results.rs: Output words. Base words that only pass through wait where all do, in the FIFO behind.
     base_mark_q <= marks_to_6_delayed[0];
   end
 
   // Not every bit of these is read.
   wire unused = ^{shifts_0_i, shifts_1_i};
 endmodule
-
 `default_nettype wire

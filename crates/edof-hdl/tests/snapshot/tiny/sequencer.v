@@ -1,18 +1,13 @@
 // Which step of which pass is next: over a vector's pairs first, then over the window (F), once a pass, one
-// step a cycle.
-// What a pass must know is looked up before it begins, so that the next begins in the cycle after the last step
-// of the one before;
-// all that a step reads comes out of registers. In the cycle after `steal_next`, no step is issued and the
-// current pass is held.
-// At most two passes are begun and not released. The registers that decide whether a pass begins are all in
-// this block, so that the decision
-// crosses no distance (docs/fabric.md).
+// step a cycle. What a pass must know is looked up before it begins, so that the next begins in the cycle after
+// the last step of the one before; all that a step reads comes out of registers. In the cycle after
+// `steal_next`, no step is issued and the current pass is held. At most two passes are begun and not released.
+// The registers that decide whether a pass begins are all in this block, so that the decision crosses no
+// distance (docs/fabric.md).
 //
 // No output follows an input within the cycle.
-//
 // From crates/edof-hdl/src/blocks/sequencer.rs (Sequencer).
 `default_nettype none
-
 module sequencer #(
   parameter TWO_ROWS = 1'b0,
   parameter HAS_LINEAR = 1'b0,
@@ -48,16 +43,16 @@ module sequencer #(
 
   localparam LINEAR_SINGLE = 1'b0;
 
-  reg [11:0] next, descriptor_0_q, descriptor_1_q, descriptor_2_q, descriptor_3_q, pass_row_q, job_q, job_row_q;
-  reg [11:0] base_q;
   reg [1:0] write_slot_q, slot_q, open_q, job_slot_q, slot_q_2;
+  reg [11:0] descriptor_0_q, descriptor_1_q, descriptor_2_q, descriptor_3_q, pass_row_q, job_q, job_row_q;
+  reg [11:0] base_q;
   reg [2:0] waiting_q;
   reg [5:0] pass_q;
   reg may_begin_q, job_is_last_q, steal_q, active_q, linear_q, at_end_q, first_q, odd_count_q, empty_q, set_q;
   reg is_last_q;
   reg [7:0] remaining_q, step_q;
 
-  // sequencer.rs: The step of this cycle, and whether a pass begins with the next.
+  // The step of this cycle, and whether a pass begins with the next.
   wire step_valid = active_q && !steal_q;
   wire pass_done = step_valid && at_end_q && (linear_q || !HAS_LINEAR);
   wire grant = may_begin_q && (!active_q || pass_done);
@@ -65,7 +60,7 @@ module sequencer #(
   assign pass_issued_o = pass_done;
   assign finished_o = pass_done && is_last_q;
 
-  // sequencer.rs: The pass that begins next.
+  reg [11:0] next;
   always @* begin
     case (slot_q)
       2'd1: next = descriptor_1_q;
@@ -75,7 +70,7 @@ module sequencer #(
     endcase
   end
 
-  // sequencer.rs: What the step reads.
+  // What the step reads.
   assign valid_a_o = step_valid && (linear_q || !empty_q);
   assign valid_b_o = step_valid && (linear_q || (!(at_end_q && odd_count_q)));
   assign first_o = step_valid && first_q;
@@ -89,9 +84,8 @@ module sequencer #(
   assign read_pixels_o = row;
 
   always @(posedge clock_i) begin
-    // sequencer.rs
     steal_q <= steal_next_i;
-    // sequencer.rs: Vectors that wait.
+    // Vectors that wait.
     if (arrived_i) begin
       write_slot_q <= write_slot_q + 2'd1;
       case (write_slot_q)
@@ -103,7 +97,7 @@ module sequencer #(
     end
     if (arrived_i && !pop) waiting_q <= waiting_q + 3'd1;
     else if (pop && !arrived_i) waiting_q <= waiting_q - 3'd1;
-    // sequencer.rs: The pass that begins next.
+    // The pass that begins next.
     if (grant) begin
       pass_q <= pass_q + 6'd1;
       pass_row_q <= pass_row_q + PASS_ROWS;
@@ -121,7 +115,7 @@ module sequencer #(
     job_is_last_q <= pass_q == LAST_PASS;
     job_row_q <= pass_row_q;
     if (next[0]) job_row_q <= pass_row_q + SET_ROWS;
-    // sequencer.rs: The step of the next cycle.
+    // The step of the next cycle.
     if (step_valid) begin
       first_q <= 1'b0;
       remaining_q <= remaining_q - 8'd1;
@@ -149,7 +143,6 @@ module sequencer #(
       base_q <= job_row_q;
       is_last_q <= job_is_last_q;
     end
-    // sequencer.rs: Reset.
     if (reset_i) begin
       write_slot_q <= 2'd0;
       waiting_q <= 3'd0;
@@ -162,5 +155,4 @@ module sequencer #(
     end
   end
 endmodule
-
 `default_nettype wire

@@ -2,10 +2,8 @@
 // max(b - theta, 0).
 //
 // No output follows an input within the cycle.
-//
 // From crates/edof-hdl/src/blocks/shrink.rs (Shrink).
 `default_nettype none
-
 module shrink (
   input wire clock_i,            // Clock.
 
@@ -22,25 +20,23 @@ module shrink (
   reg [15:0] above_2_q, below_2_q, result_q;
   reg is_above_q, is_below_q, too_large_q, saturated_q;
 
-  // shrink.rs: Cycle 1: how far it is from both ends of the dead zone.
+  // Cycle 1: how far it is from both ends of the dead zone.
   wire [16:0] wide_code = {code_i[15], code_i};
   wire [16:0] wide_threshold = {threshold_i[15], threshold_i};
   assign result_o = result_q;
   assign saturated_o = saturated_q;
 
   wire [16:0] result_q_value = MAX;
-
   always @(posedge clock_i) begin
-    // shrink.rs: Cycle 1: how far it is from both ends of the dead zone.
     above_1_q <= wide_code - wide_threshold;
     below_1_q <= wide_code + wide_threshold;
-    // shrink.rs: Cycle 2: on which side it lies, and whether too far.
+    // Cycle 2: on which side it lies, and whether too far.
     above_2_q <= above_1_q[15:0];
     below_2_q <= below_1_q[15:0];
     is_above_q <= (|above_1_q) && !above_1_q[16];
     is_below_q <= TWO_SIDED && below_1_q[16];
     too_large_q <= above_1_q > MAX;
-    // shrink.rs: Cycle 3: the result.
+    // Cycle 3: the result.
     result_q <= 16'd0;
     saturated_q <= 1'b0;
     if (is_above_q) begin
@@ -57,5 +53,4 @@ module shrink (
   // Not every bit of these is read.
   wire unused = ^result_q_value;
 endmodule
-
 `default_nettype wire

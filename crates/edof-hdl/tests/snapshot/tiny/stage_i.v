@@ -1,12 +1,10 @@
 // One stage of the calculator, I, M or F: vectors in, vectors out, two elements a beat; docs/calculator.md has
-// its cycles.
-// Values are multiplied as they come out of the store; sums are copied, drained, rounded, shrunk and sent on.
+// its cycles. Values are multiplied as they come out of the store; sums are copied, drained, rounded, shrunk
+// and sent on.
 //
 // No output follows an input within the cycle.
-//
 // From crates/edof-hdl/src/blocks/stage.rs (Stage).
 `default_nettype none
-
 module stage_i (
   input wire clock_i,                // Clock.
   // Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until
@@ -36,91 +34,39 @@ module stage_i (
   output wire [31:0] status_o
 );
 
-  localparam [3:0] ID = 4'd0;
-  localparam [3:0] WHOLE_CHAIN = 4'd15;
+  localparam [3:0] ID = 4'd0, WHOLE_CHAIN = 4'd15;
   localparam BOTH_PORTS = 1'b0;
   localparam [11:0] READ_REGISTER = 12'd3;
   localparam [31:0] SKIP_BIT = 32'd1;
 
-  wire [7:0] reset_parts_delayed, drain_beat, frames;
-  wire reset_registers_delayed, vectors_arrived, step_first, valid_a, sequencer_valid_b_unused, sequencer_first;
-  wire sequencer_linear_unused, sequencer_odd, sequencer_set, pass_issued, finished, release_, drain_copy;
-  wire drain_take, drain_last, take_set, read_valid, results_push, base_push, base_fifo_front_valid_unused;
-  wire skip_zeros, request_weights, request_thresholds;
-  wire [11:0] vectors_descriptor, address, sequencer_base, offset, reader_row;
-  wire [31:0] pair_a, pair_b, pair_c, pair_d, read_thresholds, read_previous, results_data, results_base;
-  wire [31:0] counters_value, check_crc, reader_value;
-  wire [24:0] dense_operands_value_a, dense_operands_value_b, dense_operands_value_c, dense_operands_value_d;
+  wire valid_a, sequencer_first, sequencer_odd, finished, release_, drain_copy, drain_take, request_weights;
+  wire request_thresholds;
   wire [8:0] read_row;
-  wire [6:0] sequencer_read_pixels_unused;
-  wire [47:0] sum_even, sum_odd;
-  wire [63:0] read_data;
-  wire [10:0] marks_to_groups_delayed;
-  wire [1:0] results_done, nonzero, result_saturated, code_saturated, difference_saturated;
-  wire [33:0] fifo_front_data;
+  wire [11:0] sequencer_base, offset, reader_row;
   wire [19:0] shifts_0, shifts_1;
-  wire [5:0] reader_bank;
-  reg [31:0] reader_register, status_q, data_1_q, data_2_q;
+  reg [31:0] status_q, data_1_q, data_2_q;
   reg write_1_q, weights_2_q, thresholds_2_q, previous_2_q, registers_2_q, command_2_q, snapshot_2_q, read_2_q;
   reg [24:0] address_1_q;
   reg [18:0] address_2_q;
   wire [52:0] weights_to_5_delayed;
 
-  // stage.rs: Each part has a register for its reset.
+  // Each part has a register for its reset.
   wire [7:0] resets = (reset_i || flush_i) ? 8'hff : 8'd0;
-
-  // stage.rs: In: vectors, bases, windows.
   assign window_ready_o = 1'b1;
 
-  // stage.rs: What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2
-  // set, then which.
-  wire [10:0] marks = {drain_beat, take_set, drain_last, drain_take};
-
-  // stage.rs: Out.
-  wire [33:0] finished_word = {results_data, results_done};
-  assign out_data_o = fifo_front_data[33:2];
-  assign out_last_o = fifo_front_data[0];
-  assign out_set_o = fifo_front_data[1];
-
-  // stage.rs: The host. A weight that both ports read, or a row that is read back, takes the place of a
-  // step, four cycles after that was due.
-  wire selected = write_1_q && (address_1_q[24:21] == ID);
-
-  // stage.rs: A row is read back in a cycle without a write, whatever that would write.
-  wire reads = request_weights && !write_1_q;
-  wire sequencer_steal_next = reads || (BOTH_PORTS && selected && (address_1_q[20:19] == 2'd0));
-
-  // stage.rs: Bit 0 writes, bit 1 reads.
-  wire [52:0] weights_word = {address_2_q, data_2_q, 2'd0};
-  wire [52:0] weights_marks = weights_2_q ? 53'd1 : (read_2_q ? 53'd2 : 53'd0);
-  wire [52:0] weights_to_5_data = weights_word | weights_marks;
-
-  // stage.rs: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
-  always @* begin
-    reader_register = {12'd0, shifts_0};
-    if (reader_row[2]) begin
-      reader_register = check_crc;
-      if (reader_row[0]) reader_register = {24'd0, frames};
-    end else if (reader_row[1]) begin
-      reader_register = 32'd0;
-      if (skip_zeros) reader_register = SKIP_BIT;
-    end else if (reader_row[0]) begin
-      reader_register = {12'd0, shifts_1};
-    end
-  end
-
-  // stage.rs: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
-  wire [31:0] read_word = status_address_i[6] ? reader_value : counters_value;
-  assign status_o = status_q;
-
+  wire [7:0] reset_parts_delayed;
   edof_delay #(.WIDTH(8), .CYCLES(1)) reset_parts (
     .clock_i(clock_i), .data_i(resets), .data_o(reset_parts_delayed)
   );
 
+  wire reset_registers_delayed;
   edof_delay #(.WIDTH(1), .CYCLES(1)) reset_registers (
     .clock_i(clock_i), .data_i(reset_i), .data_o(reset_registers_delayed)
   );
 
+  wire vectors_arrived;
+  wire [11:0] vectors_descriptor;
+  wire [31:0] pair_a, pair_b, pair_c, pair_d;
   dense_store vectors (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[0]), .valid_i(valid_i), .ready_o(ready_o),
     .data_i(data_i), .last_i(last_i), .set_i(set_i), .arrived_o(vectors_arrived),
@@ -128,6 +74,9 @@ module stage_i (
     .pair_c_o(pair_c), .pair_d_o(pair_d), .finished_i(finished)
   );
 
+  wire step_first;
+  wire [11:0] address;
+  wire [24:0] dense_operands_value_a, dense_operands_value_b, dense_operands_value_c, dense_operands_value_d;
   dense_operands dense_operands (
     .clock_i(clock_i), .valid_i(valid_a), .first_i(sequencer_first), .odd_i(sequencer_odd),
     .base_i(sequencer_base), .offset_i(offset), .pair_a_i(pair_a), .pair_b_i(pair_b), .pair_c_i(pair_c),
@@ -136,6 +85,14 @@ module stage_i (
     .value_d_o(dense_operands_value_d)
   );
 
+  wire selected = write_1_q && (address_1_q[24:21] == ID);
+
+  // A row is read back in a cycle without a write, whatever that would write.
+  wire reads = request_weights && !write_1_q;
+  wire sequencer_steal_next = reads || (BOTH_PORTS && selected && (address_1_q[20:19] == 2'd0));
+
+  wire sequencer_valid_b_unused, sequencer_linear_unused, sequencer_set, pass_issued;
+  wire [6:0] sequencer_read_pixels_unused;
   sequencer #(
     .TWO_ROWS(1'b0), .HAS_LINEAR(1'b0), .LINEAR_BEFORE_LAST(8'd0), .CODES(12'd0), .PASS_ROWS(12'd32),
     .SET_ROWS(12'd32), .LAST_PASS(6'd0)
@@ -148,6 +105,8 @@ module stage_i (
     .offset_o(offset), .pass_issued_o(pass_issued), .finished_o(finished)
   );
 
+  wire [47:0] sum_even, sum_odd;
+  wire [63:0] read_data;
   edof_macc_array #(.BANKS(4), .DEPTH(64), .ROWS(2), .DENSE(1), .SUM(48), .INIT("stage0_bank")) macc (
     .clock_i(clock_i), .first_i(step_first), .address_a_i(address), .address_b_i(12'd0),
     .value_a_i(dense_operands_value_a), .value_b_i(dense_operands_value_b),
@@ -159,6 +118,8 @@ module stage_i (
     .read_data_o(read_data)
   );
 
+  wire [7:0] drain_beat;
+  wire drain_last, take_set;
   drain #(.BEFORE_LAST_TAKE(8'd7), .RELEASE_AT(8'd7), .LAST_BEAT(8'd7), .NEEDED_CREDITS(8'd8)) drain (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[3]), .pass_issued_i(pass_issued),
     .set_i(sequencer_set), .credit_return_i(out_valid_o && out_ready_i), .release_o(release_),
@@ -166,10 +127,18 @@ module stage_i (
     .take_set_o(take_set)
   );
 
+  // What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2 set, then
+  // which.
+  wire [10:0] marks = {drain_beat, take_set, drain_last, drain_take};
+
+  wire [10:0] marks_to_groups_delayed;
   edof_delay #(.WIDTH(11), .CYCLES(1)) marks_to_groups (
     .clock_i(clock_i), .data_i(marks), .data_o(marks_to_groups_delayed)
   );
 
+  wire read_valid, results_push, base_push;
+  wire [31:0] read_thresholds, read_previous, results_data, results_base;
+  wire [1:0] results_done, nonzero, result_saturated, code_saturated, difference_saturated;
   results #(
     .SET_ROWS(12'd8), .SHRINKS(1'b1), .PASSES_BASE(1'b0), .THRESHOLDS_DEPTH(16),
     .INIT("stage0_thresholds.mem"), .CODE_FLAGS_CYCLES(3), .RESULT_TO_23_CYCLES(0), .BASE_TO_23_CYCLES(6),
@@ -187,33 +156,67 @@ module stage_i (
     .code_saturated_o(code_saturated), .difference_saturated_o(difference_saturated)
   );
 
+  // Out.
+  wire [33:0] finished_word = {results_data, results_done};
+
+  wire [33:0] fifo_front_data;
   edof_fifo #(.WIDTH(34), .DEPTH(128)) fifo (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[5]), .push_i(results_push), .data_i(finished_word),
     .valid_o(out_valid_o), .ready_i(out_ready_i), .data_o(fifo_front_data)
   );
 
+  assign out_data_o = fifo_front_data[33:2];
+  assign out_last_o = fifo_front_data[0];
+  assign out_set_o = fifo_front_data[1];
+
+  // Bit 0 writes, bit 1 reads.
+  wire [52:0] weights_word = {address_2_q, data_2_q, 2'd0};
+  wire [52:0] weights_marks = weights_2_q ? 53'd1 : (read_2_q ? 53'd2 : 53'd0);
+
+  wire base_fifo_front_valid_unused;
   edof_fifo #(.WIDTH(32), .DEPTH(128)) base_fifo (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[5]), .push_i(base_push), .data_i(results_base),
     .valid_o(base_fifo_front_valid_unused), .ready_i(out_valid_o && out_ready_i), .data_o(out_base_o)
   );
 
+  wire skip_zeros;
   registers #(.INIT("stage0_shifts.mem")) registers (
     .clock_i(clock_i), .reset_i(reset_registers_delayed), .write_enable_i(registers_2_q),
     .write_row_i(address_2_q[12:1]), .write_data_i(data_2_q), .shifts_0_o(shifts_0),
     .shifts_1_o(shifts_1), .skip_zeros_o(skip_zeros)
   );
 
+  wire [31:0] counters_value;
   counters counters (
     .clock_i(clock_i), .reset_i(reset_registers_delayed), .enable_i(results_push), .nonzero_i(nonzero),
     .results_i(result_saturated), .codes_i(code_saturated), .differences_i(difference_saturated),
     .snapshot_i(snapshot_2_q), .select_i(status_address_i[1:0]), .value_o(counters_value)
   );
 
+  wire [31:0] check_crc;
+  wire [7:0] frames;
   frame_check_w32 #(.LAST_BEAT(28'd383)) check (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[7]), .valid_i(out_valid_o && out_ready_i),
     .data_i(fifo_front_data[33:2]), .snapshot_i(snapshot_2_q), .crc_o(check_crc), .frames_o(frames)
   );
 
+  // Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
+  reg [31:0] reader_register;
+  always @* begin
+    reader_register = {12'd0, shifts_0};
+    if (reader_row[2]) begin
+      reader_register = check_crc;
+      if (reader_row[0]) reader_register = {24'd0, frames};
+    end else if (reader_row[1]) begin
+      reader_register = 32'd0;
+      if (skip_zeros) reader_register = SKIP_BIT;
+    end else if (reader_row[0]) begin
+      reader_register = {12'd0, shifts_1};
+    end
+  end
+
+  wire [5:0] reader_bank;
+  wire [31:0] reader_value;
   reader reader (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[6]), .starts_i(command_2_q), .command_i(data_2_q),
     .request_weights_o(request_weights), .grant_i(reads), .bank_o(reader_bank), .row_o(reader_row),
@@ -222,13 +225,17 @@ module stage_i (
     .select_i(status_address_i[1:0]), .value_o(reader_value)
   );
 
+  wire [31:0] read_word = status_address_i[6] ? reader_value : counters_value;
+  assign status_o = status_q;
+  wire [52:0] weights_to_5_data = weights_word | weights_marks;
+
   edof_delay #(.WIDTH(53), .CYCLES(3)) weights_to_5 (
     .clock_i(clock_i), .data_i(weights_to_5_data), .data_o(weights_to_5_delayed)
   );
 
   always @(posedge clock_i) begin
-    // stage.rs: The host. A weight that both ports read, or a row that is read back, takes the place of a
-    // step, four cycles after that was due.
+    // The host. A weight that both ports read, or a row that is read back, takes the place of a step, four
+    // cycles after that was due.
     write_1_q <= write_valid_i;
     address_1_q <= write_address_i;
     data_1_q <= write_data_i;
@@ -239,11 +246,9 @@ module stage_i (
     command_2_q <= selected && (address_1_q[20:19] == 2'd3) && (address_1_q[12:1] == READ_REGISTER);
     address_2_q <= address_1_q[18:0];
     data_2_q <= data_1_q;
-    // stage.rs: A row is read back in a cycle without a write, whatever that would write.
     read_2_q <= reads;
     if (reads) address_2_q <= {reader_bank, reader_row, 1'b0};
     snapshot_2_q <= write_1_q && (address_1_q[24:21] == WHOLE_CHAIN) && (address_1_q[20:19] == 2'd3);
-    // stage.rs: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
     status_q <= 32'd0;
     if (status_address_i[5:2] == ID) status_q <= read_word;
   end
@@ -251,5 +256,4 @@ module stage_i (
   // Not every bit of these is read.
   wire unused = ^{reset_parts_delayed, previous_2_q};
 endmodule
-
 `default_nettype wire

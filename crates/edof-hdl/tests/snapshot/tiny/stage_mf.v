@@ -1,16 +1,14 @@
 // One stage of the calculator, I, M or F: vectors in, vectors out, two elements a beat; docs/calculator.md has
-// its cycles.
-// Values are multiplied as they come out of the store; sums are copied, drained, rounded, shrunk and sent on.
+// its cycles. Values are multiplied as they come out of the store; sums are copied, drained, rounded, shrunk
+// and sent on.
 //
 // No output follows an input within the cycle.
-//
 // From crates/edof-hdl/src/blocks/stage.rs (Stage).
 `default_nettype none
-
 module stage_mf #(
   parameter [3:0] ID = 4'd1,
   parameter BOTH_PORTS = 1'b0,
-  parameter HAS_LINEAR = 1'b0,                      // A linear path: windows come in, too (F).
+  parameter HAS_LINEAR = 1'b0,  // A linear path: windows come in, too (F).
   parameter BANKS = 2,
   parameter MACC_DEPTH = 64,
   parameter ROWS = 1,
@@ -30,8 +28,8 @@ module stage_mf #(
   parameter [7:0] DRAIN_LAST_BEAT = 8'd7,
   parameter [7:0] NEEDED_CREDITS = 8'd4,
   parameter [11:0] RESULTS_SET_ROWS = 12'd8,
-  parameter SHRINKS = 1'b1,                         // Codes are sent (I, M), not results (F).
-  parameter PASSES_BASE = 1'b1,                     // Base words for the next stage are those that came in.
+  parameter SHRINKS = 1'b1,     // Codes are sent (I, M), not results (F).
+  parameter PASSES_BASE = 1'b1, // Base words for the next stage are those that came in.
   parameter THRESHOLDS_DEPTH = 16,
   parameter RESULTS_INIT = "stage1_thresholds.mem",
   parameter CODE_FLAGS_CYCLES = 3,
@@ -76,86 +74,35 @@ module stage_mf #(
   localparam [11:0] READ_REGISTER = 12'd3;
   localparam [31:0] SKIP_BIT = 32'd1;
 
-  wire [7:0] reset_parts_delayed, drain_beat, frames;
-  wire reset_registers_delayed, pairs_arrived, step_first, ring_ready, valid_a, valid_b, sequencer_first;
-  wire linear, sequencer_odd, sequencer_set, pass_issued, finished, release_, drain_copy, drain_take;
-  wire drain_last, take_set, read_valid, results_push, base_push, base_fifo_front_valid_unused, skip_zeros;
-  wire request_weights, request_thresholds;
-  wire [11:0] pairs_descriptor, pair_operands_address_a, pair_operands_address_b, sequencer_base, offset;
-  wire [11:0] reader_row;
-  wire [24:0] even_pair, odd_pair, pair_operands_value_a, pair_operands_value_b;
-  wire [31:0] ring_read_pixels, read_thresholds, read_previous, results_data, results_base, counters_value;
-  wire [31:0] check_crc, reader_value;
+  wire [31:0] ring_read_pixels;
+  wire valid_a, valid_b, sequencer_first, linear, sequencer_odd, sequencer_set, finished, release_, drain_copy;
+  wire drain_take, skip_zeros, request_weights, request_thresholds;
   wire [8:0] read_row;
   wire [6:0] sequencer_read_pixels;
-  wire [47:0] sum_even, sum_odd;
-  wire [63:0] read_data;
-  wire [10:0] marks_to_groups_delayed;
-  wire [1:0] results_done, nonzero, result_saturated, code_saturated, difference_saturated;
-  wire [33:0] fifo_front_data;
+  wire [11:0] sequencer_base, offset, reader_row;
   wire [19:0] shifts_0, shifts_1;
-  wire [5:0] reader_bank;
-  reg [31:0] reader_register, status_q, data_1_q, data_2_q;
+  reg [31:0] status_q, data_1_q, data_2_q;
   reg write_1_q, weights_2_q, thresholds_2_q, previous_2_q, registers_2_q, command_2_q, snapshot_2_q, read_2_q;
   reg [24:0] address_1_q;
   reg [18:0] address_2_q;
   wire [52:0] weights_to_5_delayed;
 
-  // stage.rs: Each part has a register for its reset.
+  // Each part has a register for its reset.
   wire [7:0] resets = (reset_i || flush_i) ? 8'hff : 8'd0;
 
-  // stage.rs: In: vectors, bases, windows.
-  assign window_ready_o = !HAS_LINEAR || ring_ready;
-
-  // stage.rs: What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2
-  // set, then which.
-  wire [10:0] marks = {drain_beat, take_set, drain_last, drain_take};
-
-  // stage.rs: Out.
-  wire [33:0] finished_word = {results_data, results_done};
-  assign out_data_o = fifo_front_data[33:2];
-  assign out_last_o = fifo_front_data[0];
-  assign out_set_o = fifo_front_data[1];
-
-  // stage.rs: The host. A weight that both ports read, or a row that is read back, takes the place of a
-  // step, four cycles after that was due.
-  wire selected = write_1_q && (address_1_q[24:21] == ID);
-
-  // stage.rs: A row is read back in a cycle without a write, whatever that would write.
-  wire reads = request_weights && !write_1_q;
-  wire sequencer_steal_next = reads || (BOTH_PORTS && selected && (address_1_q[20:19] == 2'd0));
-
-  // stage.rs: Bit 0 writes, bit 1 reads.
-  wire [52:0] weights_word = {address_2_q, data_2_q, 2'd0};
-  wire [52:0] weights_marks = weights_2_q ? 53'd1 : (read_2_q ? 53'd2 : 53'd0);
-  wire [52:0] weights_to_5_data = weights_word | weights_marks;
-
-  // stage.rs: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
-  always @* begin
-    reader_register = {12'd0, shifts_0};
-    if (reader_row[2]) begin
-      reader_register = check_crc;
-      if (reader_row[0]) reader_register = {24'd0, frames};
-    end else if (reader_row[1]) begin
-      reader_register = 32'd0;
-      if (skip_zeros) reader_register = SKIP_BIT;
-    end else if (reader_row[0]) begin
-      reader_register = {12'd0, shifts_1};
-    end
-  end
-
-  // stage.rs: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
-  wire [31:0] read_word = status_address_i[6] ? reader_value : counters_value;
-  assign status_o = status_q;
-
+  wire [7:0] reset_parts_delayed;
   edof_delay #(.WIDTH(8), .CYCLES(1)) reset_parts (
     .clock_i(clock_i), .data_i(resets), .data_o(reset_parts_delayed)
   );
 
+  wire reset_registers_delayed;
   edof_delay #(.WIDTH(1), .CYCLES(1)) reset_registers (
     .clock_i(clock_i), .data_i(reset_i), .data_o(reset_registers_delayed)
   );
 
+  wire pairs_arrived;
+  wire [11:0] pairs_descriptor;
+  wire [24:0] even_pair, odd_pair;
   pair_store #(.TWO_ROWS(TWO_ROWS)) pairs (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[0]), .skip_zeros_i(skip_zeros), .valid_i(valid_i),
     .ready_o(ready_o), .even_i(data_i[15:0]), .odd_i(data_i[31:16]), .last_i(last_i), .set_i(set_i),
@@ -163,6 +110,9 @@ module stage_mf #(
     .even_pair_o(even_pair), .odd_pair_o(odd_pair), .finished_i(finished)
   );
 
+  wire step_first;
+  wire [11:0] pair_operands_address_a, pair_operands_address_b;
+  wire [24:0] pair_operands_value_a, pair_operands_value_b;
   pair_operands #(.ALIGNS(ALIGNS), .TWO_ROWS(TWO_ROWS)) pair_operands (
     .clock_i(clock_i), .valid_a_i(valid_a), .valid_b_i(valid_b), .first_i(sequencer_first),
     .linear_i(linear), .odd_i(sequencer_odd), .set_i(sequencer_set), .base_i(sequencer_base),
@@ -172,12 +122,21 @@ module stage_mf #(
     .value_a_o(pair_operands_value_a), .value_b_o(pair_operands_value_b)
   );
 
+  wire ring_ready;
   window_ring #(.LAST_WINDOW(LAST_WINDOW), .MAX_WINDOWS(MAX_WINDOWS), .DEPTH(RING_DEPTH)) ring (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[1]), .valid_i(window_valid_i), .ready_o(ring_ready),
     .pixels_i(window_data_i), .last_i(window_last_i), .read_pair_i(sequencer_read_pixels),
     .read_pixels_o(ring_read_pixels), .finished_i(finished)
   );
 
+  assign window_ready_o = !HAS_LINEAR || ring_ready;
+  wire selected = write_1_q && (address_1_q[24:21] == ID);
+
+  // A row is read back in a cycle without a write, whatever that would write.
+  wire reads = request_weights && !write_1_q;
+  wire sequencer_steal_next = reads || (BOTH_PORTS && selected && (address_1_q[20:19] == 2'd0));
+
+  wire pass_issued;
   sequencer #(
     .TWO_ROWS(TWO_ROWS), .HAS_LINEAR(HAS_LINEAR), .LINEAR_BEFORE_LAST(LINEAR_BEFORE_LAST), .CODES(12'd16),
     .PASS_ROWS(PASS_ROWS), .SET_ROWS(SEQUENCER_SET_ROWS), .LAST_PASS(LAST_PASS)
@@ -190,6 +149,8 @@ module stage_mf #(
     .pass_issued_o(pass_issued), .finished_o(finished)
   );
 
+  wire [47:0] sum_even, sum_odd;
+  wire [63:0] read_data;
   edof_macc_array #(
     .BANKS(BANKS), .DEPTH(MACC_DEPTH), .ROWS(ROWS), .DENSE(0), .SUM(48), .INIT(MACC_INIT)
   ) macc (
@@ -203,6 +164,8 @@ module stage_mf #(
     .read_data_o(read_data)
   );
 
+  wire [7:0] drain_beat;
+  wire drain_last, take_set;
   drain #(
     .BEFORE_LAST_TAKE(BEFORE_LAST_TAKE), .RELEASE_AT(RELEASE_AT), .LAST_BEAT(DRAIN_LAST_BEAT),
     .NEEDED_CREDITS(NEEDED_CREDITS)
@@ -213,10 +176,18 @@ module stage_mf #(
     .take_set_o(take_set)
   );
 
+  // What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2 set, then
+  // which.
+  wire [10:0] marks = {drain_beat, take_set, drain_last, drain_take};
+
+  wire [10:0] marks_to_groups_delayed;
   edof_delay #(.WIDTH(11), .CYCLES(1)) marks_to_groups (
     .clock_i(clock_i), .data_i(marks), .data_o(marks_to_groups_delayed)
   );
 
+  wire read_valid, results_push, base_push;
+  wire [31:0] read_thresholds, read_previous, results_data, results_base;
+  wire [1:0] results_done, nonzero, result_saturated, code_saturated, difference_saturated;
   results #(
     .SET_ROWS(RESULTS_SET_ROWS), .SHRINKS(SHRINKS), .PASSES_BASE(PASSES_BASE),
     .THRESHOLDS_DEPTH(THRESHOLDS_DEPTH), .INIT(RESULTS_INIT), .CODE_FLAGS_CYCLES(CODE_FLAGS_CYCLES),
@@ -235,11 +206,24 @@ module stage_mf #(
     .code_saturated_o(code_saturated), .difference_saturated_o(difference_saturated)
   );
 
+  // Out.
+  wire [33:0] finished_word = {results_data, results_done};
+
+  wire [33:0] fifo_front_data;
   edof_fifo #(.WIDTH(34), .DEPTH(128)) fifo (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[5]), .push_i(results_push), .data_i(finished_word),
     .valid_o(out_valid_o), .ready_i(out_ready_i), .data_o(fifo_front_data)
   );
 
+  assign out_data_o = fifo_front_data[33:2];
+  assign out_last_o = fifo_front_data[0];
+  assign out_set_o = fifo_front_data[1];
+
+  // Bit 0 writes, bit 1 reads.
+  wire [52:0] weights_word = {address_2_q, data_2_q, 2'd0};
+  wire [52:0] weights_marks = weights_2_q ? 53'd1 : (read_2_q ? 53'd2 : 53'd0);
+
+  wire base_fifo_front_valid_unused;
   edof_fifo #(.WIDTH(32), .DEPTH(BASE_FIFO_DEPTH)) base_fifo (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[5]), .push_i(base_push), .data_i(results_base),
     .valid_o(base_fifo_front_valid_unused), .ready_i(out_valid_o && out_ready_i), .data_o(out_base_o)
@@ -251,17 +235,37 @@ module stage_mf #(
     .shifts_1_o(shifts_1), .skip_zeros_o(skip_zeros)
   );
 
+  wire [31:0] counters_value;
   counters counters (
     .clock_i(clock_i), .reset_i(reset_registers_delayed), .enable_i(results_push), .nonzero_i(nonzero),
     .results_i(result_saturated), .codes_i(code_saturated), .differences_i(difference_saturated),
     .snapshot_i(snapshot_2_q), .select_i(status_address_i[1:0]), .value_o(counters_value)
   );
 
+  wire [31:0] check_crc;
+  wire [7:0] frames;
   frame_check_w32 #(.LAST_BEAT(CHECK_LAST_BEAT)) check (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[7]), .valid_i(out_valid_o && out_ready_i),
     .data_i(fifo_front_data[33:2]), .snapshot_i(snapshot_2_q), .crc_o(check_crc), .frames_o(frames)
   );
 
+  // Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
+  reg [31:0] reader_register;
+  always @* begin
+    reader_register = {12'd0, shifts_0};
+    if (reader_row[2]) begin
+      reader_register = check_crc;
+      if (reader_row[0]) reader_register = {24'd0, frames};
+    end else if (reader_row[1]) begin
+      reader_register = 32'd0;
+      if (skip_zeros) reader_register = SKIP_BIT;
+    end else if (reader_row[0]) begin
+      reader_register = {12'd0, shifts_1};
+    end
+  end
+
+  wire [5:0] reader_bank;
+  wire [31:0] reader_value;
   reader reader (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[6]), .starts_i(command_2_q), .command_i(data_2_q),
     .request_weights_o(request_weights), .grant_i(reads), .bank_o(reader_bank), .row_o(reader_row),
@@ -270,13 +274,17 @@ module stage_mf #(
     .select_i(status_address_i[1:0]), .value_o(reader_value)
   );
 
+  wire [31:0] read_word = status_address_i[6] ? reader_value : counters_value;
+  assign status_o = status_q;
+  wire [52:0] weights_to_5_data = weights_word | weights_marks;
+
   edof_delay #(.WIDTH(53), .CYCLES(3)) weights_to_5 (
     .clock_i(clock_i), .data_i(weights_to_5_data), .data_o(weights_to_5_delayed)
   );
 
   always @(posedge clock_i) begin
-    // stage.rs: The host. A weight that both ports read, or a row that is read back, takes the place of a
-    // step, four cycles after that was due.
+    // The host. A weight that both ports read, or a row that is read back, takes the place of a step, four
+    // cycles after that was due.
     write_1_q <= write_valid_i;
     address_1_q <= write_address_i;
     data_1_q <= write_data_i;
@@ -287,11 +295,9 @@ module stage_mf #(
     command_2_q <= selected && (address_1_q[20:19] == 2'd3) && (address_1_q[12:1] == READ_REGISTER);
     address_2_q <= address_1_q[18:0];
     data_2_q <= data_1_q;
-    // stage.rs: A row is read back in a cycle without a write, whatever that would write.
     read_2_q <= reads;
     if (reads) address_2_q <= {reader_bank, reader_row, 1'b0};
     snapshot_2_q <= write_1_q && (address_1_q[24:21] == WHOLE_CHAIN) && (address_1_q[20:19] == 2'd3);
-    // stage.rs: Rows 0 and 1 shifts, 2 control, 4 and 5 what the check of frames shows.
     status_q <= 32'd0;
     if (status_address_i[5:2] == ID) status_q <= read_word;
   end
@@ -299,5 +305,4 @@ module stage_mf #(
   // Not every bit of these is read.
   wire unused = ^previous_2_q;
 endmodule
-
 `default_nettype wire

@@ -1,17 +1,13 @@
 // Passes whole windows only. A window whose `last` is early is filled with zeros, one beat per cycle. If `last`
-// is late, the excess
-// beats are discarded. Both kinds are counted, and the beat after `last` is the first of the next window. A
-// correct window passes
-// within the cycle.
+// is late, the excess beats are discarded. Both kinds are counted, and the beat after `last` is the first of
+// the next window. A correct window passes within the cycle.
 //
 // Within the cycle: out_ready_i -> ready_o
 // Within the cycle: valid_i -> out_valid_o
 // Within the cycle: data_i -> out_data_o
 // Within the cycle: set_i -> out_set_o
-//
 // From crates/edof-hdl/src/blocks/window_guard.rs (WindowGuard).
 `default_nettype none
-
 module window_guard (
   input wire clock_i,             // Clock.
   input wire reset_i,             // Waits for a window's first beat.
@@ -39,7 +35,6 @@ module window_guard (
   reg [6:0] beat_q;
   reg at_end_q, fill_q, drop_q, set_q, fault_q, short_q, long_q;
 
-  // window_guard.rs
   wire is_available = fill_q || (valid_i && !drop_q);
   wire advance = is_available && out_ready_i;
   wire accept = advance && !fill_q;
@@ -61,7 +56,6 @@ module window_guard (
   );
 
   always @(posedge clock_i) begin
-    // window_guard.rs
     short_q <= 1'b0;
     long_q <= 1'b0;
     if (advance) begin
@@ -82,7 +76,6 @@ module window_guard (
     if (drop_q && valid_i && last_i) drop_q <= 1'b0;
     fault_q <= fault_q || short_q || long_q;
     if (reset_counters_i || snapshot_i) fault_q <= 1'b0;
-    // window_guard.rs: Reset.
     if (reset_i) begin
       beat_q <= 7'd0;
       at_end_q <= 1'b0;
@@ -93,5 +86,4 @@ module window_guard (
     end
   end
 endmodule
-
 `default_nettype wire

@@ -1,13 +1,10 @@
 // Windows that wait for F's linear path: a ring of whole windows in block RAM, each from a power of two of rows
-// on.
-// Ready while there is room for one more. Two pixels are read two cycles after read_pair, from the oldest
+// on. Ready while there is room for one more. Two pixels are read two cycles after read_pair, from the oldest
 // window.
 //
 // No output follows an input within the cycle.
-//
 // From crates/edof-hdl/src/blocks/window_ring.rs (WindowRing).
 `default_nettype none
-
 module window_ring #(
   parameter [5:0] LAST_WINDOW = 6'd0,
   parameter [6:0] MAX_WINDOWS = 7'd0,
@@ -27,25 +24,23 @@ module window_ring #(
 
   localparam LARGE = 1'b0;
 
-  reg [6:0] held_next, write_beat_q, held_q;
-  reg [11:0] ram_read_address, ram_write_address;
   reg write_q, last_q, ready_q;
   reg [31:0] pixels_q;
+  reg [6:0] write_beat_q, held_q;
   reg [5:0] write_window_q, oldest_q;
 
-  // window_ring.rs
   assign ready_o = ready_q;
   wire accept = valid_i && ready_q;
   wire arrived = accept && last_i;
 
-  // window_ring.rs
+  reg [6:0] held_next;
   always @* begin
     held_next = held_q;
     if (arrived && !finished_i) held_next = held_q + 7'd1;
     else if (finished_i && !arrived) held_next = held_q - 7'd1;
   end
 
-  // window_ring.rs
+  reg [11:0] ram_read_address, ram_write_address;
   always @* begin
     ram_write_address = ({6'd0, write_window_q} << 5) | {5'd0, write_beat_q};
     ram_read_address = ({6'd0, oldest_q} << 5) | {5'd0, read_pair_i};
@@ -61,7 +56,6 @@ module window_ring #(
   );
 
   always @(posedge clock_i) begin
-    // window_ring.rs
     held_q <= held_next;
     ready_q <= held_next != MAX_WINDOWS;
     write_q <= accept;
@@ -75,7 +69,6 @@ module window_ring #(
       end
     end
     if (finished_i) oldest_q <= (oldest_q + 6'd1) & LAST_WINDOW;
-    // window_ring.rs: Reset.
     if (reset_i) begin
       write_q <= 1'b0;
       write_beat_q <= 7'd0;
@@ -86,5 +79,4 @@ module window_ring #(
     end
   end
 endmodule
-
 `default_nettype wire

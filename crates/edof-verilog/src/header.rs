@@ -1,0 +1,58 @@
+//! The comment above a module.
+
+use std::collections::BTreeSet;
+
+use crate::scope::{Role, SignalId};
+use crate::write::Writer;
+
+impl Writer<'_> {
+    /// The block's documentation, which outputs follow which inputs, and the Rust file.
+    pub fn header(&self) -> String {
+        let line = |line: &str| format!("// {line}").trim_end().to_string() + "\n";
+        let text: String = reflowed(self.description.header).iter().map(|text| line(text)).collect();
+        let follows: String = self.follows().iter().map(|text| line(text)).collect();
+        let source = format!("// From {} ({}).\n", self.source, self.description.name);
+        format!("{text}//\n{follows}{source}")
+    }
+
+    /// Which outputs follow which inputs within the cycle.
+    fn follows(&self) -> Vec<String> {
+        let name = |id: &SignalId| self.signal_name(*id).to_string();
+        let mut groups: Vec<(BTreeSet<SignalId>, Vec<String>)> = vec![];
+        for output in self.ports.iter().filter(|id| self.scope.signals[**id].role == Role::Output) {
+            let from = self.paths.iter().filter(|(_, to)| to == output).map(|(from, _)| *from);
+            let from: BTreeSet<SignalId> = from.filter(|id| self.ports.contains(id)).collect();
+            match groups.iter_mut().find(|(inputs, _)| *inputs == from) {
+                Some((_, outputs)) => outputs.push(name(output)),
+                None => groups.push((from, vec![name(output)])),
+            }
+        }
+        let all_registered = groups.iter().all(|(from, _)| from.is_empty());
+        if all_registered || groups.is_empty() {
+            let has_registers = !groups.is_empty() && !self.scope.registers.is_empty();
+            return if has_registers {
+                vec!["No output follows an input within the cycle.".into()]
+            } else {
+                vec![]
+            };
+        }
+        let line = |(from, outputs): &(BTreeSet<SignalId>, Vec<String>)| {
+            let from: Vec<String> = from.iter().map(name).collect();
+            format!("Within the cycle: {} -> {}", from.join(", "), outputs.join(", "))
+        };
+        groups.iter().filter(|(from, _)| !from.is_empty()).map(line).collect()
+    }
+}
+
+/// A header's paragraphs, a line each, with an empty line between them. Items of lists keep their lines.
+fn reflowed(header: &str) -> Vec<String> {
+    let mut lines: Vec<String> = vec![];
+    for line in header.trim().lines().map(str::trim) {
+        let is_own = line.is_empty() || line.starts_with(['-', '*', '|']);
+        match lines.last_mut().filter(|last| !is_own && !last.is_empty()) {
+            Some(last) => *last += &format!(" {line}"),
+            None => lines.push(line.into()),
+        }
+    }
+    lines
+}
