@@ -69,9 +69,7 @@ module edof_macc_array #(
 
     // Values come two cycles after their row's address, writes a cycle after they are due.
     edof_delay #(.WIDTH(25 * ROWS + 1), .CYCLES(2)) step_enters (
-        .clock_i(clock_i),
-        .data_i({values[25*ROWS-1:0], first_i}),
-        .data_o(steps[GROUPS])
+        .clock_i(clock_i), .data_i({values[25*ROWS-1:0], first_i}), .data_o(steps[GROUPS])
     );
     assign address[GROUPS] = addresses[PORTS*BITS-1:0];
     assign control[GROUPS] = {copy_i, shift_i};
@@ -80,52 +78,36 @@ module edof_macc_array #(
     `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) enters_q <= write_enable_i;
     assign writes[GROUPS] = enters_q;
     edof_delay #(.WIDTH(20), .CYCLES(1)) place_enters (
-        .clock_i(clock_i),
-        .data_i({read_enable_i, write_bank_i, write_half_i, write_row_i}),
-        .data_o({reads[GROUPS], places[GROUPS]})
+        .clock_i(clock_i), .data_i({read_enable_i, write_bank_i, write_half_i, write_row_i}), .data_o({reads[GROUPS], places[GROUPS]})
     );
     edof_delay #(.WIDTH(32), .CYCLES(2)) data_enters (
-        .clock_i(clock_i),
-        .data_i(write_data_i),
-        .data_o(written[GROUPS])
+        .clock_i(clock_i), .data_i(write_data_i), .data_o(written[GROUPS])
     );
 
     genvar group;
     generate
         for (group = 0; group < GROUPS; group = group + 1) begin : groups
             edof_delay #(.WIDTH(25 * ROWS + 1), .CYCLES(1)) step (
-                .clock_i(clock_i),
-                .data_i(steps[group+1]),
-                .data_o(steps[group])
+                .clock_i(clock_i), .data_i(steps[group+1]), .data_o(steps[group])
             );
             edof_delay #(.WIDTH(PORTS * BITS), .CYCLES(1)) row (
-                .clock_i(clock_i),
-                .data_i(address[group+1]),
-                .data_o(address[group])
+                .clock_i(clock_i), .data_i(address[group+1]), .data_o(address[group])
             );
             edof_delay #(.WIDTH(2), .CYCLES(1)) control_delay (
-                .clock_i(clock_i),
-                .data_i(control[group+1]),
-                .data_o(control[group])
+                .clock_i(clock_i), .data_i(control[group+1]), .data_o(control[group])
             );
             (* keep = "true" *) reg write_q = 1'b0;
             `EDOF_KEEP_IN_YOSYS always @(posedge clock_i) write_q <= writes[group+1];
             assign writes[group] = write_q;
             edof_delay #(.WIDTH(20), .CYCLES(1)) place (
-                .clock_i(clock_i),
-                .data_i({reads[group+1], places[group+1]}),
-                .data_o({reads[group], places[group]})
+                .clock_i(clock_i), .data_i({reads[group+1], places[group+1]}), .data_o({reads[group], places[group]})
             );
             edof_delay #(.WIDTH(32), .CYCLES(1)) data (
-                .clock_i(clock_i),
-                .data_i(written[group+1]),
-                .data_o(written[group])
+                .clock_i(clock_i), .data_i(written[group+1]), .data_o(written[group])
             );
             // What was read, when the row is there: bit 18 that it was, 17 to 12 bank, 11 to 0 row.
             edof_delay #(.WIDTH(19), .CYCLES(2)) place_later (
-                .clock_i(clock_i),
-                .data_i({reads[group], places[group][18:13], places[group][11:0]}),
-                .data_o(places_later[group])
+                .clock_i(clock_i), .data_i({reads[group], places[group][18:13], places[group][11:0]}), .data_o(places_later[group])
             );
         end
     endgenerate
@@ -175,32 +157,14 @@ module edof_macc_array #(
             end else begin : from_neighbour
                 assign drained[bank] = {odd[bank+1], even[bank+1]};
             end
-            edof_macc_bank #(
-                .BANK(bank),
-                .DEPTH(DEPTH),
-                .ROWS(ROWS),
-                .DENSE(DENSE),
-                .SUM(SUM),
-                .INIT(INIT)
-            ) lanes (
-                .clock_i(clock_i),
-                .first_i(steps[bank/8][0]),
-                .address_a_i(address[bank/8][BITS-1:0]),
-                .address_b_i(address[bank/8][PORTS*BITS-1 -: BITS]),
-                .value_i(steps[bank/8][25*ROWS:1]),
-                .copy_i(control[bank/8][1]),
-                .shift_i(control[bank/8][0]),
-                .drain_even_i(drained[bank][ROWS*SUM-1:0]),
-                .drain_odd_i(drained[bank][2*ROWS*SUM-1 -: ROWS*SUM]),
-                .drain_even_o(even[bank]),
-                .drain_odd_o(odd[bank]),
-                .back_i(mine),
-                .back_o(read[64*bank +: 64]),
-                .read_i(reads[bank/8]),
-                .write_i(writes[bank/8]),
-                .write_bank_i(places[bank/8][18:13]),
-                .write_half_i(places[bank/8][12]),
-                .write_address_i(places[bank/8][11:0]),
+            edof_macc_bank #(.BANK(bank), .DEPTH(DEPTH), .ROWS(ROWS), .DENSE(DENSE), .SUM(SUM), .INIT(INIT)) lanes (
+                .clock_i(clock_i), .first_i(steps[bank/8][0]), .address_a_i(address[bank/8][BITS-1:0]),
+                .address_b_i(address[bank/8][PORTS*BITS-1 -: BITS]), .value_i(steps[bank/8][25*ROWS:1]),
+                .copy_i(control[bank/8][1]), .shift_i(control[bank/8][0]),
+                .drain_even_i(drained[bank][ROWS*SUM-1:0]), .drain_odd_i(drained[bank][2*ROWS*SUM-1 -: ROWS*SUM]),
+                .drain_even_o(even[bank]), .drain_odd_o(odd[bank]), .back_i(mine), .back_o(read[64*bank +: 64]),
+                .read_i(reads[bank/8]), .write_i(writes[bank/8]), .write_bank_i(places[bank/8][18:13]),
+                .write_half_i(places[bank/8][12]), .write_address_i(places[bank/8][11:0]),
                 .write_data_q_i(written[bank/8])
             );
         end
@@ -213,24 +177,20 @@ module edof_macc_array #(
         even_q <= even[0];
         odd_q <= odd[0];
     end
-    wire [4*48-1:0] even_rows;
-    wire [4*48-1:0] odd_rows;
+    wire [2*ROWS*SUM-1:0] sums = {odd_q, even_q};
+    wire [2*4*48-1:0] extended;
     genvar row;
     generate
-        for (row = 0; row < 4; row = row + 1) begin : extended
-            if (row >= ROWS) begin : nothing
-                assign even_rows[48*row +: 48] = 48'd0;
-                assign odd_rows[48*row +: 48] = 48'd0;
-            end else if (SUM == 48) begin : whole
-                assign even_rows[48*row +: 48] = even_q[SUM*row +: SUM];
-                assign odd_rows[48*row +: 48] = odd_q[SUM*row +: SUM];
-            end else begin : signed_
-                assign even_rows[48*row +: 48] = {{(48 - SUM){even_q[SUM*row+SUM-1]}}, even_q[SUM*row +: SUM]};
-                assign odd_rows[48*row +: 48] = {{(48 - SUM){odd_q[SUM*row+SUM-1]}}, odd_q[SUM*row +: SUM]};
+        for (row = 0; row < 8; row = row + 1) begin : rows
+            if (row % 4 < ROWS) begin : some
+                wire [SUM-1:0] sum = sums[SUM*(ROWS*(row/4) + row%4) +: SUM];
+                assign extended[48*row +: 48] = {{(49 - SUM){sum[SUM-1]}}, sum[SUM-2:0]};
+            end else begin : none
+                assign extended[48*row +: 48] = 48'd0;
             end
         end
     endgenerate
-    edof_add4 even_sum (.clock_i(clock_i), .rows_i(even_rows), .sum_o(sum_even_o));
-    edof_add4 odd_sum (.clock_i(clock_i), .rows_i(odd_rows), .sum_o(sum_odd_o));
+    edof_add4 even_sum (.clock_i(clock_i), .rows_i(extended[4*48-1:0]), .sum_o(sum_even_o));
+    edof_add4 odd_sum (.clock_i(clock_i), .rows_i(extended[2*4*48-1:4*48]), .sum_o(sum_odd_o));
 endmodule
 `default_nettype wire

@@ -226,8 +226,18 @@ impl<'a> Printer<'a> {
             let low = self.print(x).text;
             return Text::atom(format!("{{{}, {low}}}", literal(Type::bits(by), 0, Use::Value)), false);
         }
-        let name = self.selectable(x, false);
-        let sign = if x.ty.bits == 1 { name.clone() } else { format!("{name}[{}]", x.ty.bits - 1) };
+        let (name, sign) = match unsigned(x) {
+            Expression { ty, node: Node::Slice(whole, first) } if ty.bits > 1 => {
+                let name = self.selectable(whole, true);
+                let top = first + ty.bits - 1;
+                (format!("{name}{}", range(*first, ty.bits)), format!("{name}[{top}]"))
+            }
+            x => {
+                let name = self.selectable(x, false);
+                let sign = if x.ty.bits == 1 { name.clone() } else { format!("{name}[{}]", x.ty.bits - 1) };
+                (name, sign)
+            }
+        };
         let signs = if by == 1 { sign } else { format!("{{{by}{{{sign}}}}}") };
         Text::atom(format!("{{{signs}, {name}}}"), false)
     }
@@ -320,6 +330,14 @@ impl<'a> Printer<'a> {
 
     fn depends(&self, id: SignalId) -> bool {
         matches!(self.resolved[id].node, Node::Signal(id) if self.driven.contains(&id))
+    }
+}
+
+/// The bits that a number is made of.
+fn unsigned(x: &Expression) -> &Expression {
+    match &x.node {
+        Node::Reinterpret(inner) => unsigned(inner),
+        _ => x,
     }
 }
 

@@ -97,7 +97,7 @@ fn is_all_ones(mask: &Expression) -> bool {
     mask.ty.bits < 100 && mask.constant() == Some((1 << mask.ty.bits) - 1)
 }
 
-/// `x[7] ? {8'd0, x} | 16'hff00 : {8'd0, x}` as the number x with its own sign.
+/// `x[7] ? {8'd0, x} | 16'hff00 : {8'd0, x}` as the number x with its own sign; x may be a slice, whose highest bit is then one of the whole.
 fn sign_extended(ty: Type, test: &Expression, ones: &Expression, zeros: &Expression) -> Option<Expression> {
     let (Node::Bit(of, at), Node::Resize(x), Node::Wrapping("|", low, high)) =
         (&test.node, &zeros.node, &ones.node)
@@ -105,10 +105,15 @@ fn sign_extended(ty: Type, test: &Expression, ones: &Expression, zeros: &Express
         return None;
     };
     let (narrow, wide) = (x.ty.bits, ty.bits);
-    if ty.signed || x.ty.signed || narrow >= wide || wide > 100 || of != x || **low != *zeros {
+    let first = match &x.node {
+        _ if of == x => 0,
+        Node::Slice(whole, first) if of == whole => *first,
+        _ => return None,
+    };
+    if ty.signed || x.ty.signed || narrow >= wide || wide > 100 || **low != *zeros {
         return None;
     }
-    let is_top = at.constant() == Some(narrow as i128 - 1);
+    let is_top = at.constant() == Some((first + narrow) as i128 - 1);
     let is_above = high.constant() == Some((1 << wide) - (1 << narrow));
     (is_top && is_above).then(|| (**x).clone().reinterpret(true).resize(wide).reinterpret(false))
 }
@@ -340,6 +345,23 @@ mod tests {
         assert_eq!(expression(choose(3, 0xf0)), extended);
         for (top, above) in [(2, 0xf0), (3, 0xe0), (3, 0xf8)] {
             assert_eq!(expression(choose(top, above)), choose(top, above));
+        }
+    }
+
+    #[test]
+    fn a_choice_by_the_highest_bit_of_a_slice_is_an_extension_and_no_other_is() {
+        let (whole, byte) = (signal(Type::bits(12), 0), Type::bits(8));
+        let slice = Expression::new(WIDE, Node::Slice(Box::new(whole.clone()), 5));
+        let choose = |top: i128| {
+            let test = bit(Node::Bit(Box::new(whole.clone()), Box::new(number(top))));
+            let zeros = slice.clone().resize(8);
+            let high = Box::new(Expression::literal(byte, 0xf0));
+            let ones = Expression::new(byte, Node::Wrapping("|", Box::new(zeros.clone()), high));
+            Expression::new(byte, Node::Choose(Box::new(test), Box::new(ones), Box::new(zeros)))
+        };
+        assert_eq!(expression(choose(8)), slice.clone().reinterpret(true).resize(8).reinterpret(false));
+        for top in [3, 7, 9] {
+            assert_eq!(expression(choose(top)), choose(top));
         }
     }
 

@@ -1,5 +1,7 @@
 //! From overlap-added words to the codes on the wire (docs/contract.md, section 5).
 
+mod chroma_code;
+mod colour;
 mod kernel;
 
 use super::queue::Queue;
@@ -9,6 +11,8 @@ use super::{Factor, Wide};
 use crate::blocks::delay::Delay;
 use crate::blocks::{Pair, Word};
 use crate::describe::Circuit;
+use chroma_code::ChromaCode;
+use colour::{ColourSetup, DisplayColour};
 use edof_core::display::{BLACK, CHROMA_ZERO, TO_CHROMA, TO_LUMA, TO_RGB, ToChroma, ToLuma, ToRgb};
 use rust_hdl::prelude::*;
 
@@ -20,7 +24,7 @@ const _: () = assert!(ToLuma::FRAC_NBITS == 20);
 /// whose chroma its right pixel needs, to its codes. `colour` is looked at with each frame's first pair. A table may be written at any
 /// time; pixels on their way may read either entry. Counters stand a few cycles later.
 #[derive(Circuit)]
-#[circuit(default(Delay, Scale))]
+#[circuit(default(ChromaCode, Delay, Scale), registers(clock))]
 pub struct Display {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -76,13 +80,7 @@ pub struct Display {
     blue_of_cb: Constant<Factor>,
     light_half: Constant<Wide>,
     light_sign: Constant<Wide>,
-    #[signed]
-    to_luma: [Constant<Factor>; 3],
     luma_base: Constant<Bits<9>>,
-    #[signed]
-    to_cb: [Constant<Factor>; 3],
-    #[signed]
-    to_cr: [Constant<Factor>; 3],
     chroma_base: Constant<Wide>,
     next_valid: DFF<Bit>,
     next_luma: DFF<Pair>,
@@ -119,33 +117,16 @@ pub struct Display {
     red_to_5: Delay<18, 2>,
     cr_to_2: Delay<18, 2>,
     blue_to_5: Delay<18, 2>,
-    address_6: [DFF<Bits<14>>; 3],
-    outside_6: [DFF<Bit>; 3],
+    colours: [DisplayColour; 3],
     gamut_7: DFF<Bit>,
-    tables: [Table<12>; 3],
-    encoded_9: [DFF<Bits<12>>; 3],
-    green_to_11: Delay<12, 2>,
-    blue_to_13: Delay<12, 4>,
-    luma_sums: [Scale; 3],
-    even_q: [DFF<Bits<14>>; 3],
-    before_q: [DFF<Bits<14>>; 3],
-    outer_10: [DFF<Bits<14>>; 3],
-    filtered_11: [DFF<Bits<14>>; 3],
-    green_to_13: Delay<14, 2>,
-    blue_to_15: Delay<14, 4>,
-    second_to_13: Delay<1, 2>,
-    second_to_15: Delay<1, 2>,
     colour_13: DFF<Bit>,
-    chroma_sums: [Scale; 3],
     cb_19: DFF<Bits<8>>,
     index_1: DFF<Bits<15>>,
     luma_table: Table<8>,
     lookup: Delay<2, 2>,
     luma_to_4: Delay<8, 1>,
     luma_to_16: Delay<8, 12>,
-    rounded_1: [DFF<Bits<17>>; 2],
-    site_2: [DFF<Bits<8>>; 2],
-    clamped_2: [DFF<Bit>; 2],
+    sites: [ChromaCode; 2],
     clamped_3: DFF<Bits<2>>,
     site_to_19: Delay<16, 17>,
     luma_17: DFF<Bits<8>>,
@@ -170,14 +151,10 @@ pub struct Display {
     cb_there: Signal<Local, Factor>,
     cr_there: Signal<Local, Factor>,
     light_base: Signal<Local, Wide>,
-    light: [Signal<Local, Bits<18>>; 3],
-    encoded: [Signal<Local, Bits<12>>; 3],
-    once_9: [Signal<Local, Bits<14>>; 3],
     odd_9: Signal<Local, Bit>,
     even_9: Signal<Local, Bit>,
     odd_10: Signal<Local, Bit>,
     second: Signal<Local, Bits<1>>,
-    site: [Signal<Local, Bits<17>>; 2],
     site_19: Signal<Local, Bits<16>>,
     ends_19: Signal<Local, Bits<2>>,
     luma_code: Signal<Local, Bits<9>>,
@@ -201,7 +178,17 @@ impl Display {
     /// The display with the tables that it starts with: 2¹⁵ luma codes and 2¹⁴ entries of 12 bits for red, green and blue.
     #[must_use]
     pub fn new(luma: &[u64], colours: [&[u64]; 3]) -> Self {
-        let table = |i: usize| Table::loaded(TABLE_IMAGES[i + 1], colours[i]);
+        let colour = |i: usize| {
+            DisplayColour::new(ColourSetup {
+                number: i + 1,
+                factors: [
+                    factor(TO_LUMA[i].to_bits()),
+                    factor(TO_CHROMA[0][i].to_bits()),
+                    factor(TO_CHROMA[1][i].to_bits()),
+                ],
+                table: Table::loaded(TABLE_IMAGES[i + 1], colours[i]),
+            })
+        };
         Self::from_parts(DisplayParts {
             red_of_cr: factor(TO_RGB[0][1].to_bits()),
             green_of_cb: factor(TO_RGB[1][0].to_bits()),
@@ -209,12 +196,9 @@ impl Display {
             blue_of_cb: factor(TO_RGB[2][0].to_bits()),
             light_half: base(ToRgb::FRAC_NBITS, 0),
             light_sign: Constant::new((((1u64 << 48) - 1) & !((1 << (16 + ToRgb::FRAC_NBITS)) - 1)).into()),
-            to_luma: TO_LUMA.map(|f| factor(f.to_bits())),
             luma_base: Constant::new((2 * u64::from(BLACK) + 1).into()),
-            to_cb: TO_CHROMA[0].map(|f| factor(f.to_bits())),
-            to_cr: TO_CHROMA[1].map(|f| factor(f.to_bits())),
             chroma_base: base(ToChroma::FRAC_NBITS, CHROMA_ZERO as u64),
-            tables: [table(0), table(1), table(2)],
+            colours: std::array::from_fn(colour),
             luma_table: Table::loaded(TABLE_IMAGES[0], luma),
             queue: Queue::new(16),
         })

@@ -7,43 +7,6 @@ use rust_hdl::prelude::*;
 impl Logic for Display {
     #[kernel]
     fn update(&mut self) {
-        dff_setup!(
-            self,
-            clock,
-            next_valid,
-            next_luma,
-            next_chroma,
-            next_first,
-            next_last,
-            held_valid,
-            held_luma,
-            held_chroma,
-            held_first,
-            held_last,
-            odd,
-            starts,
-            colour_q,
-            marks_0,
-            luma_0,
-            site_0,
-            cb_0,
-            cr_0,
-            luma_1,
-            gamut_7,
-            cb_19,
-            colour_13,
-            index_1,
-            clamped_3,
-            luma_17,
-            luma_18,
-            luma_19,
-            even_luma,
-            push_20,
-            done_20,
-            right,
-            clamped_q,
-            gamut_q
-        );
         self.to_2.clock.next = self.clock.val();
         self.to_6.clock.next = self.clock.val();
         self.to_9.clock.next = self.clock.val();
@@ -60,12 +23,6 @@ impl Logic for Display {
         self.red_to_5.clock.next = self.clock.val();
         self.cr_to_2.clock.next = self.clock.val();
         self.blue_to_5.clock.next = self.clock.val();
-        self.green_to_11.clock.next = self.clock.val();
-        self.blue_to_13.clock.next = self.clock.val();
-        self.green_to_13.clock.next = self.clock.val();
-        self.blue_to_15.clock.next = self.clock.val();
-        self.second_to_13.clock.next = self.clock.val();
-        self.second_to_15.clock.next = self.clock.val();
         self.luma_table.clock.next = self.clock.val();
         self.lookup.clock.next = self.clock.val();
         self.luma_to_16.clock.next = self.clock.val();
@@ -185,118 +142,42 @@ impl Logic for Display {
         self.blue_light.addend.next = self.light_base.val();
         self.red_to_5.data.next = self.red_light.sum.val().get_bits::<18>(17);
         self.blue_to_5.data.next = self.blue_light.sum.val().get_bits::<18>(17);
-        self.light[0].next = self.red_to_5.delayed.val();
-        self.light[1].next = self.green_whole.sum.val().get_bits::<18>(17);
-        self.light[2].next = self.blue_to_5.delayed.val();
+        self.colours[0].light.next = self.red_to_5.delayed.val();
+        self.colours[1].light.next = self.green_whole.sum.val().get_bits::<18>(17);
+        self.colours[2].light.next = self.blue_to_5.delayed.val();
 
-        // Cycles 6 to 9: tables, and a register more between block RAM and multipliers.
-        for i in 0..3 {
-            self.address_6[i].clock.next = self.clock.val();
-            self.outside_6[i].clock.next = self.clock.val();
-            self.address_6[i].d.next = self.light[i].val().get_bits::<14>(0);
-            self.outside_6[i].d.next = false;
-            if self.light[i].val().get_bit(17) {
-                self.address_6[i].d.next = 0.into();
-                self.outside_6[i].d.next = true;
-            } else if self.light[i].val().get_bits::<3>(14).any() {
-                self.address_6[i].d.next = 0x3fff.into();
-                self.outside_6[i].d.next = self.light[i].val().get_bits::<2>(15).any()
-                    || self.light[i].val().get_bits::<14>(0).any();
-            }
-            self.tables[i].clock.next = self.clock.val();
-            self.tables[i].address.next = bit_cast::<16, 15>(self.table_address.val());
-            self.tables[i].write_data.next = self.table_data.val();
-            self.encoded_9[i].clock.next = self.clock.val();
-            self.encoded_9[i].d.next = self.tables[i].read_data.val();
-            self.encoded[i].next = self.encoded_9[i].q.val();
-        }
-        self.tables[0].read_address.next = bit_cast::<16, 14>(self.address_6[0].q.val());
-        self.tables[1].read_address.next = bit_cast::<16, 14>(self.address_6[1].q.val());
-        self.tables[2].read_address.next = bit_cast::<16, 14>(self.address_6[2].q.val());
-        self.tables[0].write_enable.next = self.table_write.val() && (self.table_select.val() == 1);
-        self.tables[1].write_enable.next = self.table_write.val() && (self.table_select.val() == 2);
-        self.tables[2].write_enable.next = self.table_write.val() && (self.table_select.val() == 3);
-
-        // To cycle 16: luma.
-        for i in 0..3 {
-            self.luma_sums[i].clock.next = self.clock.val();
-            self.luma_sums[i].factor.next = self.to_luma[i].val();
-        }
-        self.green_to_11.data.next = self.encoded[1].val();
-        self.blue_to_13.data.next = self.encoded[2].val();
-        self.luma_sums[0].value.next = bit_cast::<18, 12>(self.encoded[0].val());
-        self.luma_sums[0].addend.next = 0.into();
-        self.luma_sums[1].value.next = bit_cast::<18, 12>(self.green_to_11.delayed.val());
-        self.luma_sums[1].addend.next = self.luma_sums[0].sum.val();
-        self.luma_sums[2].value.next = bit_cast::<18, 12>(self.blue_to_13.delayed.val());
-        self.luma_sums[2].addend.next = self.luma_sums[1].sum.val();
-
-        // Cycles 9 to 11: each colour of a pair's odd pixel, of its even one twice, and of the odd one before, which a line's
-        // first pair does not have: mirrored, it is the one after.
+        // Cycles 6 to 18: colours, one after the other. To cycle 16 luma, to cycle 18 Cb, to cycle 19 Cr of a pair, whose filtered
+        // colours stand for two cycles.
         self.odd_9.next = self.to_9.delayed.val().get_bit(0) && self.to_9.delayed.val().get_bit(1);
         self.even_9.next = self.to_9.delayed.val().get_bit(0) && !self.to_9.delayed.val().get_bit(1);
         self.odd_10.next = self.to_10.delayed.val().get_bit(0) && self.to_10.delayed.val().get_bit(1);
-        self.once_9[0].next = bit_cast::<14, 12>(self.encoded[0].val());
-        self.once_9[1].next = bit_cast::<14, 12>(self.encoded[1].val());
-        self.once_9[2].next = bit_cast::<14, 12>(self.encoded[2].val());
-        for i in 0..3 {
-            self.even_q[i].clock.next = self.clock.val();
-            self.before_q[i].clock.next = self.clock.val();
-            self.outer_10[i].clock.next = self.clock.val();
-            self.filtered_11[i].clock.next = self.clock.val();
-            self.even_q[i].d.next = self.even_q[i].q.val();
-            if self.even_9.val() {
-                self.even_q[i].d.next = self.once_9[i].val();
-            }
-            self.before_q[i].d.next = self.before_q[i].q.val();
-            if self.odd_9.val() {
-                self.before_q[i].d.next = self.once_9[i].val();
-            }
-            self.outer_10[i].d.next = self.once_9[i].val() + self.before_q[i].q.val();
-            if self.to_9.delayed.val().get_bit(2) {
-                self.outer_10[i].d.next = self.once_9[i].val() << 1;
-            }
-            self.filtered_11[i].d.next = self.filtered_11[i].q.val();
-            if self.odd_10.val() {
-                self.filtered_11[i].d.next = self.outer_10[i].q.val() + (self.even_q[i].q.val() << 1);
-            }
-        }
-
-        // To cycle 18 Cb, to cycle 19 Cr of a pair: its filtered colours stand for two cycles.
         self.second.next = 0.into();
         if self.to_12.delayed.val().get_bit(0) && self.to_12.delayed.val().get_bit(1) {
             self.second.next = 1.into();
         }
-        self.second_to_13.data.next = self.second.val();
-        self.second_to_15.data.next = self.second_to_13.delayed.val();
-        self.green_to_13.data.next = self.filtered_11[1].q.val();
-        self.blue_to_15.data.next = self.filtered_11[2].q.val();
         for i in 0..3 {
-            self.chroma_sums[i].clock.next = self.clock.val();
+            self.colours[i].clock.next = self.clock.val();
+            self.colours[i].even.next = self.even_9.val();
+            self.colours[i].odd.next = self.odd_9.val();
+            self.colours[i].starts.next = self.to_9.delayed.val().get_bit(2);
+            self.colours[i].odd_later.next = self.odd_10.val();
+            self.colours[i].second.next = self.second.val();
+            self.colours[i].table_write.next = self.table_write.val();
+            self.colours[i].table_select.next = self.table_select.val();
+            self.colours[i].table_address.next = self.table_address.val();
+            self.colours[i].table_data.next = self.table_data.val();
         }
-        self.chroma_sums[0].value.next = bit_cast::<18, 14>(self.filtered_11[0].q.val());
-        self.chroma_sums[0].addend.next = 0.into();
+        self.colours[0].luma_before.next = 0.into();
+        self.colours[1].luma_before.next = self.colours[0].luma.val();
+        self.colours[2].luma_before.next = self.colours[1].luma.val();
+        self.colours[0].chroma_before.next = 0.into();
         if self.to_12.delayed.val().get_bit(5) || self.colour_13.q.val() {
-            self.chroma_sums[0].addend.next = self.chroma_base.val();
+            self.colours[0].chroma_before.next = self.chroma_base.val();
         }
         self.colour_13.d.next = self.to_12.delayed.val().get_bit(5);
-        self.chroma_sums[0].factor.next = self.to_cb[0].val();
-        if self.second.val().any() {
-            self.chroma_sums[0].factor.next = self.to_cr[0].val();
-        }
-        self.chroma_sums[1].value.next = bit_cast::<18, 14>(self.green_to_13.delayed.val());
-        self.chroma_sums[1].addend.next = self.chroma_sums[0].sum.val();
-        self.chroma_sums[1].factor.next = self.to_cb[1].val();
-        if self.second_to_13.delayed.val().any() {
-            self.chroma_sums[1].factor.next = self.to_cr[1].val();
-        }
-        self.chroma_sums[2].value.next = bit_cast::<18, 14>(self.blue_to_15.delayed.val());
-        self.chroma_sums[2].addend.next = self.chroma_sums[1].sum.val();
-        self.chroma_sums[2].factor.next = self.to_cb[2].val();
-        if self.second_to_15.delayed.val().any() {
-            self.chroma_sums[2].factor.next = self.to_cr[2].val();
-        }
-        self.cb_19.d.next = self.chroma_sums[2].sum.val().get_bits::<8>(22);
+        self.colours[1].chroma_before.next = self.colours[0].chroma.val();
+        self.colours[2].chroma_before.next = self.colours[1].chroma.val();
+        self.cb_19.d.next = self.colours[2].chroma.val().get_bits::<8>(22);
 
         // Luma only: a table for luma, read in cycles 1 to 3; chroma rounds in cycles 1 and 2.
         self.index_1.d.next = self.luma_0.q.val().get_bits::<15>(0);
@@ -314,42 +195,22 @@ impl Logic for Display {
         self.lookup.data.next = self.table_select.val();
         self.table_word.next = bit_cast::<12, 8>(self.luma_table.data.val());
         if self.lookup.delayed.val() == 1 {
-            self.table_word.next = self.tables[0].data.val();
+            self.table_word.next = self.colours[0].table_word.val();
         } else if self.lookup.delayed.val() == 2 {
-            self.table_word.next = self.tables[1].data.val();
+            self.table_word.next = self.colours[1].table_word.val();
         } else if self.lookup.delayed.val() == 3 {
-            self.table_word.next = self.tables[2].data.val();
-        }
-        self.site[0].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(0));
-        if self.site_0.q.val().get_bit(15) {
-            self.site[0].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(0)) | 0x1_0000;
-        }
-        self.site[1].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(16));
-        if self.site_0.q.val().get_bit(31) {
-            self.site[1].next = bit_cast::<17, 16>(self.site_0.q.val().get_bits::<16>(16)) | 0x1_0000;
+            self.table_word.next = self.colours[2].table_word.val();
         }
         for i in 0..2 {
-            self.rounded_1[i].clock.next = self.clock.val();
-            self.site_2[i].clock.next = self.clock.val();
-            self.clamped_2[i].clock.next = self.clock.val();
-            self.rounded_1[i].d.next = self.site[i].val() + 64;
-            self.site_2[i].d.next = self.rounded_1[i].q.val().get_bits::<8>(7) ^ 0x80;
-            self.clamped_2[i].d.next = false;
-            if self.rounded_1[i].q.val().get_bit(16) {
-                if self.rounded_1[i].q.val().get_bits::<9>(7) <= 0x180 {
-                    self.site_2[i].d.next = 1.into();
-                    self.clamped_2[i].d.next = true;
-                }
-            } else if self.rounded_1[i].q.val().get_bits::<9>(7) > 126 {
-                self.site_2[i].d.next = 254.into();
-                self.clamped_2[i].d.next = true;
-            }
+            self.sites[i].clock.next = self.clock.val();
         }
+        self.sites[0].word.next = self.site_0.q.val().get_bits::<16>(0);
+        self.sites[1].word.next = self.site_0.q.val().get_bits::<16>(16);
         self.site_to_19.data.next =
-            (bit_cast::<16, 8>(self.site_2[1].q.val()) << 8) | bit_cast::<16, 8>(self.site_2[0].q.val());
+            (bit_cast::<16, 8>(self.sites[1].code.val()) << 8) | bit_cast::<16, 8>(self.sites[0].code.val());
 
         // Black and the half for rounding come last: as a constant addend they would stand before a multiplier's own adder.
-        self.luma_code.next = self.luma_sums[2].sum.val().get_bits::<9>(19) + self.luma_base.val();
+        self.luma_code.next = self.colours[2].luma.val().get_bits::<9>(19) + self.luma_base.val();
 
         // Out: the codes of a pair, once those of its odd pixel are there.
         self.luma_17.d.next = self.luma_to_16.delayed.val();
@@ -363,7 +224,7 @@ impl Logic for Display {
         }
         self.site_19.next = self.site_to_19.delayed.val();
         if self.to_19.delayed.val().get_bit(5) {
-            self.site_19.next = (bit_cast::<16, 8>(self.chroma_sums[2].sum.val().get_bits::<8>(22)) << 8)
+            self.site_19.next = (bit_cast::<16, 8>(self.colours[2].chroma.val().get_bits::<8>(22)) << 8)
                 | bit_cast::<16, 8>(self.cb_19.q.val());
         }
         self.ends_19.next = self.to_19.delayed.val().get_bits::<2>(3);
@@ -392,7 +253,9 @@ impl Logic for Display {
         // What could not be shown.
         self.gamut_7.d.next = self.to_6.delayed.val().get_bit(0)
             && self.to_6.delayed.val().get_bit(5)
-            && (self.outside_6[0].q.val() || self.outside_6[1].q.val() || self.outside_6[2].q.val());
+            && (self.colours[0].outside.val()
+                || self.colours[1].outside.val()
+                || self.colours[2].outside.val());
         if self.gamut_7.q.val() {
             self.gamut_q.d.next = self.gamut_q.q.val() + 1;
         }
@@ -401,9 +264,9 @@ impl Logic for Display {
             && self.to_2.delayed.val().get_bit(1)
             && !self.to_2.delayed.val().get_bit(5)
         {
-            if self.clamped_2[0].q.val() && self.clamped_2[1].q.val() {
+            if self.sites[0].clamped.val() && self.sites[1].clamped.val() {
                 self.clamped_3.d.next = 2.into();
-            } else if self.clamped_2[0].q.val() || self.clamped_2[1].q.val() {
+            } else if self.sites[0].clamped.val() || self.sites[1].clamped.val() {
                 self.clamped_3.d.next = 1.into();
             }
         }
