@@ -123,8 +123,7 @@ fn every_module_is_printed_in_style() {
     for design in ["tiny", "paper", "kc705"] {
         assert_styled(&emit(&chain(design)).unwrap());
     }
-    let [mut board] = board("kc705", &Pace::of(&KC705), [emit]);
-    // Its two sites of chroma are still alike.
+    let [board] = board("kc705", &Pace::of(&KC705), [emit]);
     assert_styled(&board);
     let text = |name: &str| &board.modules.iter().find(|module| module.name == name).unwrap().text;
     for (module, words) in [
