@@ -36,11 +36,14 @@ fn chain(name: &str) -> Chain {
 /// Longer blocks stand once.
 const TWICE: usize = 8;
 
+/// A way to print a circuit.
+type Way = fn(&dyn Circuit) -> Result<Emitted, EmitError>;
+
 /// The board of a design, printed in several ways.
 fn board<const N: usize>(
     name: &str,
     pace: &Pace,
-    ways: [fn(&dyn Circuit) -> Result<Emitted, EmitError>; N],
+    ways: [Way; N],
 ) -> [Emitted; N] {
     let design = committed(name);
     let network = edof_device::random::for_design(&design, 1);

@@ -212,7 +212,7 @@ impl Part<'_> {
     fn whole(&self) -> Result<(Array2<u16>, (usize, usize)), Error> {
         let FrameSize { width, height, .. } = self.frame;
         let (columns, rows) = self.size.unwrap_or((TILE_SIDE, TILE_SIDE));
-        let is_right = |side: usize, max: usize| (2..=max).contains(&side) && side % 2 == 0;
+        let is_right = |side: usize, max: usize| (2..=max).contains(&side) && side.is_multiple_of(2);
         if !(is_right(columns, width) && is_right(rows, height)) {
             return Err(Error::message(format!(
                 "--size {columns}x{rows}: must be two even numbers, at most {width}x{height}, the board's frame"
