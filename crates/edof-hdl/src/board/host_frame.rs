@@ -208,7 +208,12 @@ impl Logic for HostFrame {
         }
         if self.on.q.val() {
             self.in_frame.d.next = false;
-            if !self.select.val() && (self.phase.q.val() == Phase::Fill) && !self.valid.q.val() {
+            // A block that begins in this cycle leaves first.
+            if !self.select.val()
+                && (self.phase.q.val() == Phase::Fill)
+                && !self.valid.q.val()
+                && !self.fills.val()
+            {
                 self.on.d.next = false;
             }
         } else {
