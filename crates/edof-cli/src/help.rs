@@ -16,7 +16,7 @@ const EVERYWHERE: [Group; 5] = [
 ];
 
 /// Options of the commands that have many, by command; the first group that names an option has it.
-const COMMANDS: [(&str, &[Group]); 12] = [
+const COMMANDS: [(&str, &[Group]); 13] = [
     (
         "capture",
         &[
@@ -66,6 +66,7 @@ const COMMANDS: [(&str, &[Group]); 12] = [
             ("Search", "population generations seed"),
         ],
     ),
+    ("study codes", &[("Codes", "codes module-px count zbarimg"), ("Lenses", "lenses")]),
     (
         "optics",
         &[

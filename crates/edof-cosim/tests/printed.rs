@@ -40,11 +40,7 @@ const TWICE: usize = 8;
 type Way = fn(&dyn Circuit) -> Result<Emitted, EmitError>;
 
 /// The board of a design, printed in several ways.
-fn board<const N: usize>(
-    name: &str,
-    pace: &Pace,
-    ways: [Way; N],
-) -> [Emitted; N] {
+fn board<const N: usize>(name: &str, pace: &Pace, ways: [Way; N]) -> [Emitted; N] {
     let design = committed(name);
     let network = edof_device::random::for_design(&design, 1);
     let display = Display::new(DisplayMode::Colour, Curve::Srgb);

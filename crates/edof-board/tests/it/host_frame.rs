@@ -157,7 +157,8 @@ fn a_frame_of_another_size_and_a_memory_that_changes_it_are_rejected_in_one_line
     board.plant(Faults { raw: Some(stuck), ..Faults::default() });
     let error = put(&mut board, &bench.pixels).unwrap_err();
     assert!(matches!(error, Error::FrameDiffers { .. }), "{error}");
-    board.plant(Faults::default());
+    let mut board = bench.board();
+    put(&mut board, &bench.pixels).unwrap();
     open(&mut board).change_control(edof_device::registers::map::RUN, 0).unwrap();
     let error = put(&mut board, &Array2::zeros((HEIGHT, WIDTH))).unwrap_err();
     assert!(matches!(error, Error::NoFrame { .. }), "{error}");
