@@ -18,10 +18,7 @@ fn stale(text: &str, packages: &[Package]) -> Vec<String> {
     let locked = locked(text);
     let of_package = |package: &Package| -> Vec<String> {
         let Some(needs) = locked.get(&*package.name) else { return vec![] };
-        let ours = package
-            .dependencies
-            .iter()
-            .filter(|d| !d.is_for_tests && !d.is_optional && d.name.starts_with("edof-"));
+        let ours = package.dependencies.iter().filter(|d| !d.is_for_tests && !d.is_optional);
         let missing = ours.filter(|dependency| !needs.contains(&*dependency.name));
         missing.map(|dependency| format!("{} needs {}", package.name, dependency.name)).collect()
     };
