@@ -16,7 +16,7 @@
 #   colour-scenes      the same with synthetic scenes of known saturation               (3 minutes)
 #   colour-training    the same with training photographs, and copies of random saturation in training  (20 minutes)
 #   tolerances    docs/results/tolerances.*: errors of the coded lens that cost 0.1 dB, its networks by noise  (10 minutes)
-#   codes         docs/results/codes.*: codes that programs read behind the coded and the clear lens  (10 minutes)
+#   codes         docs/results/codes.md: codes that programs read behind the coded and the clear lens  (10 minutes)
 #   forms layers  docs/results/forms.md, layers.md: short trainings of other forms, and of T = 3 to 10  (30 minutes)
 #   ablations     docs/results/ablations.md: short trainings by the recipe with one change each  (25 minutes)
 #   classes       docs/results/classes.md: short trainings for classes of noise, of all weights and of the thresholds alone  (10 minutes)
@@ -272,8 +272,7 @@ tolerances() {
 
 # shellcheck disable=SC2046
 codes() {
-    "$edof" study codes --nets edof-t4w12-clear-light,edof-t4w12-outer-light --zbarimg $(rows codes) $(pages codes)
-    table codes
+    "$edof" study codes --nets edof-t4w12-clear-light,edof-t4w12-outer-light --psi 0,2,4,6,8 --zbarimg $(rows codes) $(pages codes)
 }
 
 # One short training for each line of NAME OPTIONS (8,000 steps, seed 1, the default's camera; else the recipe of scripts/weights.sh), and a
