@@ -15,6 +15,9 @@ const WHITE: f32 = 0.8;
 const DARK: f32 = 0.04;
 /// Modules that a bar is high.
 const BAR: usize = 24;
+/// Modules that a cell is wide and high at most: Code 128 with its quiet zones.
+const MAX_WIDTH: usize = 180;
+const MAX_HEIGHT: usize = BAR + 2 * 11;
 /// Pixels by which places vary, besides parts of a pixel.
 const JITTER: i64 = 8;
 /// Parts of a pixel in which places are drawn.
@@ -148,6 +151,13 @@ pub struct Sheet {
 }
 
 impl Sheet {
+    /// Returns columns and rows of pixels that no sheet exceeds, all its codes below each other.
+    #[must_use]
+    pub fn max_size(module_px: f64, count: usize) -> (usize, usize) {
+        let side = |modules: usize| (modules as f64 * module_px).ceil() as usize + 1 + JITTER as usize;
+        (side(MAX_WIDTH), count * side(MAX_HEIGHT))
+    }
+
     /// Draws a sheet. Each code has its own text, and its own place to a 64th of a pixel.
     ///
     /// # Errors
@@ -249,6 +259,8 @@ mod tests {
             let expected = dark as f64 * 2.5 * 2.5 * f64::from(WHITE - DARK);
             assert!((lost - expected).abs() < 1e-3 * expected, "{symbology}: {lost} {expected}");
             assert!((height % 2, width % 2) == (0, 0));
+            let (wide, high) = Sheet::max_size(2.5, 3);
+            assert!(sheet.cards.iter().all(|card| card.size.0 * 3 <= high && card.size.1 <= wide));
         }
     }
 

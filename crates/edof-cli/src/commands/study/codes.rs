@@ -106,6 +106,11 @@ impl Args {
     fn plan(&self, ui: &Ui) -> Result<Plan, Error> {
         all_within("--module-px", &self.module_px, 1.0, 16.0)?;
         all_within("--psi", &self.psi, -100.0, 100.0)?;
+        for &module_px in &self.module_px {
+            let (width, height) = Sheet::max_size(module_px, self.count as usize);
+            let given = format!("--count {} --module-px {module_px}", self.count);
+            edof::job::check_memory(width, height).map_err(|e| Error::message(format!("{given}: {e}")))?;
+        }
         let sheet = |kind, module_px| {
             Sheet::new(kind, module_px, self.count as usize, self.seed)
                 .map_err(|e| Error::message(format!("--codes {kind}: {e}")))
