@@ -25,7 +25,7 @@ Examples:
   edof train --form edof-t4w12 --camera clear-mid --gain 1:10 --out nets/clear.safetensors
   edof train --form edof-t4w12 --camera mask.json --gain 1:10 --out nets/mask.safetensors
   edof study lens-networks --networks nets --electrons 10000,1000
-  edof train --form edof-t4w12 --camera clear-mid --gain 1:10 --psi 8:8 --depths 1 --out nets/8.safetensors
+  edof train --camera clear-mid --gain 1:10 --psi 8:8 --depths 1 --out nets/8.safetensors
   edof study lens-networks --networks nets --psi 0,8 --rows rows.jsonl --report depth.html")]
 pub struct Args {
     /// Folder of weight files, trained for lenses that are --camera with any mask, focus and smaller aperture

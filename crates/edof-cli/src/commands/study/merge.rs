@@ -28,11 +28,8 @@ Example:
   for i in 1 2 3; do edof study single-depth --shard $i/3 --rows part-$i.jsonl & done; wait
   edof study merge --out rows.jsonl part-1.jsonl part-2.jsonl part-3.jsonl --report speed.html")]
 pub struct Args {
-<<<<<<< HEAD
-    /// Files of rows, as --rows of kodak, single-depth, multi-depth, blind, codes, knobs, aperture, aperture-networks or tolerances wrote them
-=======
-    /// Files of rows, as --rows of kodak, single-depth, multi-depth, blind, knobs, aperture, aperture-networks, lens-networks or tolerances wrote them
->>>>>>> lens-next
+    /// Files of rows, as --rows of kodak, single-depth, multi-depth, blind, codes, knobs, aperture, aperture-networks, lens-networks or tolerances
+    /// wrote them
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
