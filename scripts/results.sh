@@ -12,7 +12,7 @@
 #   bits stability docs/results/bits.md, stability.md                                   (10 minutes)
 #   aperture      docs/results/aperture.*: the coded lens against smaller apertures     (1 minute)
 #   aperture-networks  docs/results/aperture-networks.*: the same by networks; 24 short trainings, 2 minutes each, which target/trained keeps
-#   depth-known   docs/results/depth-known.*: what knowing the depth is worth; 14 short trainings, which target/trained keeps
+#   depth-known   docs/results/depth-known.*: what knowing the depth is worth; 10 short trainings, which target/trained keeps
 #   masks         docs/results/masks.*: cubic masks against the clear lens at its best stop; 12 short trainings besides, which target/trained keeps
 #   colour        docs/results/colour.md: gain of the coded lens against the correlation of colours, of rows that are there  (1 minute)
 #   colour-scenes      the same with synthetic scenes of known saturation               (3 minutes)
@@ -240,11 +240,11 @@ aperture_networks() {
 # Lenses are chosen by these photographs, so none of their networks is trained on them.
 validation=2,5,8,11,14,17,20,23
 
-# A page of lenses with networks of their own: lens_networks PAGE ELECTRONS LINE..., each line LENS SEED [PSI] one short training, for all depths from
+# A page of lenses with networks of their own: lens_networks PAGE PSI,... ELECTRONS LINE..., each line LENS SEED [PSI] one short training, for all depths from
 # ψ 0 to 8 or for one. A lens is one of scripts/lens.py. Pages share their networks.
 lens_networks() {
-    local page=$1 electrons=$2 folder=$trained/lenses own=$trained/lenses/$1 line lens seed psi stops name gain depths
-    shift 2
+    local page=$1 psis=$2 electrons=$3 folder=$trained/lenses own=$trained/lenses/$1 line lens seed psi stops name gain depths
+    shift 3
     rm -rf "$own"
     mkdir -p "$own"
     for line in "$@"; do
@@ -261,16 +261,16 @@ lens_networks() {
         ln "$folder/$name.safetensors" "$own"
     done
     # shellcheck disable=SC2046
-    "$edof" study lens-networks --networks "$own" --electrons "$electrons" --photos "$validation" $(rows "$page") $(pages "$page")
+    "$edof" study lens-networks --networks "$own" --psi "$psis" --electrons "$electrons" --photos "$validation" $(rows "$page") $(pages "$page")
     table "$page"
 }
 
-# Behind a clear lens and an odd mask, focused at the middle, ψ 0 and 8 have the same kernels, and so have 2 and 6.
+# Behind a clear lens and an odd mask, focused at the middle, ψ 0 and 8 have the same kernels.
 depth_known() {
-    lens_networks depth-known 10000,1000 \
-        "clear-0.5 1" "clear-0.5 1 4" "clear-0.5 1 6" "clear-0.5 1 8" \
-        "cubic-2.3-0 1" "cubic-2.3-0 1 4" "cubic-2.3-0 1 6" "cubic-2.3-0 1 8" \
-        "ring-outer 1" "ring-outer 1 0" "ring-outer 1 2" "ring-outer 1 4" "ring-outer 1 6" "ring-outer 1 8"
+    lens_networks depth-known 0,4,8 10000,1000 \
+        "clear-0.5 1" "clear-0.5 1 4" "clear-0.5 1 8" \
+        "cubic-2.3-0 1" "cubic-2.3-0 1 4" "cubic-2.3-0 1 8" \
+        "ring-outer 1" "ring-outer 1 0" "ring-outer 1 4" "ring-outer 1 8"
 }
 
 # Strength and stop were chosen by edof optics bound.
@@ -279,7 +279,7 @@ masks() {
     for lens in clear-0 clear-0.5 cubic-2.3-0; do
         for seed in 1 2 3; do lines+=("$lens $seed"); done
     done
-    lens_networks masks 10000,2500,1000 "${lines[@]}"
+    lens_networks masks 0,2,4,6,8 10000,2500,1000 "${lines[@]}"
 }
 
 # Gains by the correlation of colours, of what has rows; photographs that the networks were not trained on have theirs in docs/results.
