@@ -12,6 +12,8 @@
 #   bits stability docs/results/bits.md, stability.md                                   (10 minutes)
 #   aperture      docs/results/aperture.*: the coded lens against smaller apertures     (1 minute)
 #   aperture-networks  docs/results/aperture-networks.*: the same by networks; 24 short trainings, 2 minutes each, which target/trained keeps
+#   depth-known   docs/results/depth-known.*: what knowing the depth is worth; 10 short trainings, which target/trained keeps
+#   masks         docs/results/masks.*: cubic masks against the clear lens at its best stop; 12 short trainings besides, which target/trained keeps
 #   colour        docs/results/colour.md: gain of the coded lens against the correlation of colours, of rows that are there  (1 minute)
 #   colour-scenes      the same with synthetic scenes of known saturation               (3 minutes)
 #   colour-training    the same with training photographs, and copies of random saturation in training  (20 minutes)
@@ -33,7 +35,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
-parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture aperture-networks colour-scenes colour-training colour tolerances codes forms ablations classes joint one-noise bound layers figures"
+parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture aperture-networks depth-known masks colour-scenes colour-training colour tolerances codes forms ablations classes joint one-noise bound layers figures"
 # shellcheck disable=SC2086 # parts are several words
 [ $# -gt 0 ] || set -- $parts
 for part in "$@"; do
@@ -189,7 +191,7 @@ bits() { is_made docs/results/bits.md || "$edof" study bits $(pages bits) --forc
 # shellcheck disable=SC2046
 stability() { is_made docs/results/stability.md || "$edof" study stability $(pages stability) --force; }
 
-# A network of the default form by the short recipe (8,000 steps, seed 1), unless it is there. Besides the photographs that are held back it may
+# A network of the default form by the short recipe (8,000 steps, seed 1 or that of "seed"), unless it is there. Besides the photographs that are held back it may
 # leave out others, as in ",more05": short_network FILE OTHERS OPTIONS...
 short_network() {
     local file=$1 part=${1%.safetensors}.part.safetensors others=$2
@@ -197,7 +199,7 @@ short_network() {
     [ ! -e "$file" ] || return 0
     say "$file"
     # shellcheck disable=SC2046
-    "$edof" train --form edof-t4w12 --steps 8000 --seed 1 --leave-out "$held_back""$others" "$@" --name "$(basename "$file" .safetensors)" \
+    "$edof" train --form edof-t4w12 --steps 8000 --seed "${seed:-1}" --leave-out "$held_back""$others" "$@" --name "$(basename "$file" .safetensors)" \
         --out "$part" $(resume "$part") --force
     mv "$part" "$file"
 }
@@ -233,6 +235,51 @@ aperture_networks() {
     done
     "$edof" study aperture-networks --networks "$folder" $(rows aperture-networks) $(pages aperture-networks)
     table aperture-networks
+}
+
+# Lenses are chosen by these photographs, so none of their networks is trained on them.
+validation=2,5,8,11,14,17,20,23
+
+# A page of lenses with networks of their own: lens_networks PAGE PSI,... ELECTRONS LINE..., each line LENS SEED [PSI] one short training, for all depths from
+# ψ 0 to 8 or for one. A lens is one of scripts/lens.py. Pages share their networks.
+lens_networks() {
+    local page=$1 psis=$2 electrons=$3 folder=$trained/lenses own=$trained/lenses/$1 line lens seed psi stops name gain depths
+    shift 3
+    rm -rf "$own"
+    mkdir -p "$own"
+    for line in "$@"; do
+        read -r lens seed psi <<<"$line"
+        name=$lens${psi:+-psi-$psi}-seed-$seed
+        python3 -B scripts/lens.py "$lens" 8 > "$folder/$lens.json"
+        stops=${lens##*-}
+        [[ $stops == [0-9]* ]] || stops=0
+        gain=$(awk -v stops="$stops" 'BEGIN { printf "%.9g:%.9g", 2 ^ stops, 10 * 2 ^ stops }')
+        depths=$(awk -v stops="$stops" -v psi="${psi:-0}" 'BEGIN { printf "--psi %.9g:%.9g --depths 1", psi / 2 ^ stops, psi / 2 ^ stops }')
+        # shellcheck disable=SC2086 # depths are several words
+        seed=$seed short_network "$folder/$name.safetensors" "$(printf ',kodim%02d' ${validation//,/ })" --camera "$folder/$lens.json" --tone srgb \
+            --gain "$gain" --noiseless 1000000 --no-cache ${psi:+$depths}
+        ln "$folder/$name.safetensors" "$own"
+    done
+    # shellcheck disable=SC2046
+    "$edof" study lens-networks --networks "$own" --psi "$psis" --electrons "$electrons" --photos "$validation" $(rows "$page") $(pages "$page")
+    table "$page"
+}
+
+# Behind a clear lens and an odd mask, focused at the middle, ψ 0 and 8 have the same kernels.
+depth_known() {
+    lens_networks depth-known 0,4,8 10000,1000 \
+        "clear-0.5 1" "clear-0.5 1 4" "clear-0.5 1 8" \
+        "cubic-2.3-0 1" "cubic-2.3-0 1 4" "cubic-2.3-0 1 8" \
+        "ring-outer 1" "ring-outer 1 0" "ring-outer 1 4" "ring-outer 1 8"
+}
+
+# Strength and stop were chosen by edof optics bound.
+masks() {
+    local lens seed lines=()
+    for lens in clear-0 clear-0.5 cubic-2.3-0; do
+        for seed in 1 2 3; do lines+=("$lens $seed"); done
+    done
+    lens_networks masks 0,2,4,6,8 10000,2500,1000 "${lines[@]}"
 }
 
 # Gains by the correlation of colours, of what has rows; photographs that the networks were not trained on have theirs in docs/results.

@@ -28,6 +28,7 @@ mod refusals;
 mod saturations;
 mod soak;
 mod stopping;
+mod streams;
 mod studies;
 mod support;
 mod tone;

@@ -512,3 +512,63 @@ fn networks_of_smaller_apertures_are_compared_on_photographs() {
             .refused(&[words]);
     }
 }
+
+#[test]
+fn masks_and_known_depths_are_compared_on_photographs_by_networks_of_their_own() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/p03.png", 64, 48);
+    place.photo("photos/p06.png", 64, 48);
+    for folder in ["masks", "depth"] {
+        std::fs::create_dir(place.path(folder)).unwrap();
+    }
+    let save = |file: &str, camera: &str, psi_range: [f64; 2]| {
+        let mut network = network();
+        network.origin.camera = Camera { psi_range, ..Camera::resolve(camera).unwrap() };
+        let [least_noise, noise] = [1.0, 10.0].map(Noise::sensor);
+        network.origin.conditions = vec![Condition { tone: Tone::Srgb, noise, least_noise }];
+        network.origin.provenance.seed = Some(1);
+        weight_file::save_network(&place.path(file), &network).unwrap();
+    };
+    for (folder, name, camera, range) in [
+        ("masks", "clear", "clear-mid", [0.0, 8.0]),
+        ("masks", "ring", "ring-outer", [0.0, 8.0]),
+        ("depth", "clear", "clear-mid", [0.0, 8.0]),
+        ("depth", "clear-8", "clear-mid", [8.0, 8.0]),
+    ] {
+        save(&format!("{folder}/{name}.safetensors"), camera, range);
+    }
+    let line = "study lens-networks --images photos --photos all --electrons 1000,100 --psi 0,8 --networks";
+    let run = place.edof(&format!("{line} masks --rows whole --markdown m.md --report m.html --json")).done();
+    let told: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    let lenses = told["lenses"].as_array().unwrap();
+    let names: Vec<&str> = lenses.iter().map(|lens| lens["lens"].as_str().unwrap()).collect();
+    assert_eq!(names, ["clear-mid", "ring-outer"], "no network is for 100 electrons: {told}");
+    let page = std::fs::read_to_string(place.path("m.md")).unwrap();
+    assert!(
+        page.starts_with("# Masks against the clear lens") && page.contains("The rule: in no light"),
+        "{page}"
+    );
+    let report = std::fs::read_to_string(place.path("m.html")).unwrap();
+    assert!(report.contains("<p class=\"verdict\">"), "{report}");
+    place.edof(&format!("{line} masks --rows 1 --shard 1/2")).done();
+    place.edof(&format!("{line} masks --rows 2 --shard 2/2")).done();
+    place.edof("study merge 1 2 --out merged").done();
+    assert_eq!(timeless(&place.path("merged")), timeless(&place.path("whole")));
+    // The depths 0 and 8 have the same kernels behind a clear lens that is focused at 4. The networks have the same weights.
+    let run = place.edof(&format!("{line} depth")).done();
+    assert!(run.out.contains("Knowing the depth gains +0.00 ± 0.00 dB at most (clear-mid, "), "{}", run.out);
+    for (options, words) in [
+        ("--networks photos", "--networks photos: has no weight files"),
+        (
+            "--networks masks --psi 9",
+            "network 'clear': was trained for psi 0 to 8 of the open aperture, which leaves out psi 9",
+        ),
+        ("--networks depth --psi 2", "lens clear-mid, seed 1: no network knows psi 2"),
+        ("--networks masks --psi 101", "--psi 101: must be from -100 to 100"),
+        ("--networks masks --electrons 0", "--electrons 0: must be from 1 to 1000000000"),
+        ("--networks masks --read-noise nan", "--read-noise NaN: must be from 0 to"),
+    ] {
+        place.edof(&format!("study lens-networks --images photos --photos all {options}")).refused(&[words]);
+    }
+}

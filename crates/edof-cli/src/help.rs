@@ -16,7 +16,7 @@ const EVERYWHERE: [Group; 5] = [
 ];
 
 /// Options of the commands that have many, by command; the first group that names an option has it.
-const COMMANDS: [(&str, &[Group]); 13] = [
+const COMMANDS: [(&str, &[Group]); 14] = [
     (
         "capture",
         &[
@@ -35,6 +35,15 @@ const COMMANDS: [(&str, &[Group]); 13] = [
             ("Format of the frame", "phase bit-depth video size align order packing"),
             ("Levels and colours", "black-level white-level white-balance colour-matrix"),
             ("Picture", "out tone gamma bits board display words force"),
+        ],
+    ),
+    (
+        "stream",
+        &[
+            ("Format of the frames", "size packing phase bit-depth order"),
+            ("Levels and colours", "black-level white-level white-balance colour-matrix"),
+            ("Network", "weights gain"),
+            ("Pictures", "out format fps gamma live"),
         ],
     ),
     (

@@ -75,7 +75,7 @@ impl Ui {
 
     /// The file that results go to as data, if they go to one.
     pub fn json_file(&self) -> Option<&Path> {
-        self.json.as_deref().filter(|_| !self.json_on_stdout())
+        self.json.as_deref().filter(|_| !self.json_has_stdout())
     }
 
     /// Notes something that the results are made from.
@@ -109,7 +109,7 @@ impl Ui {
     }
 
     /// Whether standard output belongs to JSON alone.
-    fn json_on_stdout(&self) -> bool {
+    pub fn json_has_stdout(&self) -> bool {
         self.json.as_deref() == Some(Path::new("-"))
     }
 
@@ -118,7 +118,7 @@ impl Ui {
     /// # Errors
     /// When standard output cannot be written (a closed pipe ends the program quietly).
     pub fn say(&self, line: impl Display) -> Result<(), Error> {
-        if !self.json_on_stdout() {
+        if !self.json_has_stdout() {
             print(&format!("{line}\n"))?;
         }
         Ok(())
@@ -129,6 +129,15 @@ impl Ui {
         note(&line.to_string());
     }
 
+    /// How work goes on that nobody knows the end of: a line for people, or data; on standard error.
+    pub fn status(&self, line: impl Display, data: &serde_json::Value) {
+        match in_data() {
+            true => data_line(data),
+            false if self.quiet => {}
+            false => last_line(&line.to_string()),
+        }
+    }
+
     /// The result as data, with its provenance: printed or written if `--json` was given, else nothing. Call it once a command.
     ///
     /// # Errors
@@ -137,7 +146,7 @@ impl Ui {
         let Some(path) = &self.json else { return Ok(()) };
         self.told.store(true, Ordering::Relaxed);
         let text = serde_json::to_string_pretty(&Recorded { result, provenance: self.provenance() })? + "\n";
-        if self.json_on_stdout() {
+        if self.json_has_stdout() {
             print(&text)?;
         } else {
             edof_core::storage::atomic::write(path, text.as_bytes())?;
@@ -162,7 +171,7 @@ impl Ui {
             result,
         })? + "\n";
         let first = !self.told.swap(true, Ordering::Relaxed);
-        if self.json_on_stdout() {
+        if self.json_has_stdout() {
             print(&text)?;
             return Ok(());
         }

@@ -58,8 +58,9 @@ impl RawFrame {
         if height % 2 != 0 || width % 2 != 0 || height == 0 || width == 0 {
             return Err(GeometryError::OddFrame { height, width }.into());
         }
-        if let Some(((row, column), &value)) =
-            values.indexed_iter().find(|(_, v)| u32::from(**v) >> depth != 0)
+        if depth < 16
+            && let Some(((row, column), &value)) =
+                values.indexed_iter().find(|(_, v)| u32::from(**v) >> depth != 0)
         {
             return Err(FrameError::Value { row, column, value, depth });
         }
@@ -70,6 +71,12 @@ impl RawFrame {
     #[must_use]
     pub const fn pixels(&self) -> &Array2<u16> {
         &self.pixels
+    }
+
+    /// The memory of its words, for another frame.
+    #[must_use]
+    pub fn into_pixels(self) -> Array2<u16> {
+        self.pixels
     }
 
     /// Sensor values 0…2^depth − 1, as [`RawFrame::from_values`] takes them.

@@ -4,13 +4,17 @@
 //! Both modes start from chroma at every pixel of the raw frame's size (between its sites the mean of its neighbours, kept
 //! doubled so that nothing is lost), so that all CFA phases leave in the raw frame's size with chroma sited at even columns.
 
+mod mix;
+
+pub use mix::Mix;
+
 use crate::fast::isa::{Isa, for_each_isa};
 use crate::gamma::{ColourTable, Curve, LumaTable, index};
 use edof_core::display::{
     BLACK, CHROMA_ZERO, CODES, DisplayMode, SINK_CHROMA, SINK_LUMA, TO_CHROMA, TO_LUMA, TO_RGB, ToChroma,
     ToRgb,
 };
-use edof_core::number::{ChromaCodes, OutputSum, OutputWord, TableIndex, nearest_whole};
+use edof_core::number::{ChromaCodes, OutputSum, OutputWord, TableIndex, bits_of, nearest_whole};
 use edof_core::{ColourFrame, Frame422, Tone};
 use edof_network::FixedNetwork;
 use ndarray::{Array2, Array3, ArrayViewMut1};
@@ -78,6 +82,13 @@ impl Display {
         Self { mode, luma, colours: [colour.clone(), colour.clone(), colour] }
     }
 
+    /// The colour tables of a white balance: gains of red, green and blue.
+    #[must_use]
+    pub fn balanced(values: Tone, curve: Curve, gains: [f64; 3]) -> Self {
+        let colours = gains.map(|gain| ColourTable::amplified(values, curve, gain));
+        Self { mode: DisplayMode::Colour, luma: LumaTable::of_values(values, curve), colours }
+    }
+
     /// sRGB's codes in colour, of what a network gives.
     #[must_use]
     pub fn of_network(network: &FixedNetwork) -> Self {
@@ -105,28 +116,17 @@ impl Display {
         (height, width): (usize, usize),
         picture: &mut Picture,
     ) -> DisplayCounts {
-        if picture.luma.dim() != (height, width) {
-            *picture = Picture::black(height, width);
-        }
-        let Picture { luma, chroma: [cb, cr] } = picture;
-        let codes = luma.outer_iter_mut().zip(cb.outer_iter_mut()).zip(cr.outer_iter_mut());
-        let lines: Vec<_> = codes.map(|((luma, cb), cr)| Codes { luma, chroma: [cb, cr] }).collect();
         let isa = Isa::best();
         let tables = self.colours.each_ref().map(|table| {
             // Tables that are the same are looked up in one place, which the cache holds.
             if *table == self.colours[0] { &self.colours[0] } else { table }
         });
-        lines
-            .into_par_iter()
-            .enumerate()
-            .map_init(Buffers::default, |buffers, (row, codes)| {
-                let words = Line::new(frame, top + row, left, width);
-                match self.mode {
-                    DisplayMode::Luma => self.luma_only(isa, &words, codes, buffers),
-                    DisplayMode::Colour => colour(isa, tables, &words, codes, buffers),
-                }
-            })
-            .reduce(DisplayCounts::default, std::ops::Add::add)
+        each_line(frame, (top, left), (height, width), picture, |words, codes, buffers| match self.mode {
+            DisplayMode::Luma => self.luma_only(isa, words, codes, buffers),
+            DisplayMode::Colour => colour(isa, words, codes, buffers, |light| {
+                light.iter_mut().zip(tables).for_each(|(plane, table)| table.encode(plane));
+            }),
+        })
     }
 
     /// The paper's way: a table for luma, chroma rounds.
@@ -152,22 +152,44 @@ impl Display {
     }
 }
 
-/// To light of each colour, through its table, and back.
+/// Makes the codes of each line of a part of a frame, in the memory of another picture.
+fn each_line(
+    frame: &Frame422,
+    (top, left): (usize, usize),
+    (height, width): (usize, usize),
+    picture: &mut Picture,
+    line: impl Fn(&Line<'_>, Codes<'_>, &mut Buffers) -> DisplayCounts + Sync,
+) -> DisplayCounts {
+    if picture.luma.dim() != (height, width) {
+        *picture = Picture::black(height, width);
+    }
+    let Picture { luma, chroma: [cb, cr] } = picture;
+    let codes = luma.outer_iter_mut().zip(cb.outer_iter_mut()).zip(cr.outer_iter_mut());
+    let lines: Vec<_> = codes.map(|((luma, cb), cr)| Codes { luma, chroma: [cb, cr] }).collect();
+    lines
+        .into_par_iter()
+        .enumerate()
+        .map_init(Buffers::default, |buffers, (row, codes)| {
+            line(&Line::new(frame, top + row, left, width), codes, buffers)
+        })
+        .reduce(DisplayCounts::default, std::ops::Add::add)
+}
+
+/// To light of each colour, which `encode` makes entries of a colour's table in its place, and back.
 fn colour(
     isa: Isa,
-    tables: [&ColourTable; 3],
     words: &Line<'_>,
     mut codes: Codes<'_>,
     buffers: &mut Buffers,
+    encode: impl Fn(&mut [Vec<TableIndex>; 3]),
 ) -> DisplayCounts {
     let width = words.luma.len();
     let mut light = std::mem::take(&mut buffers.light);
     light.iter_mut().for_each(|plane| plane.resize(width, TableIndex::ZERO));
     let doubled = words.doubled_chroma(isa, buffers);
     let out_of_gamut = light_line(isa, words.luma, doubled, &mut light);
-    let [red, green, blue] = &mut light;
-    let encoded =
-        [tables[0].encode(red), tables[1].encode(green), tables[2].encode(blue)].map(|entries| &*entries);
+    encode(&mut light);
+    let encoded = light.each_ref().map(|plane| bits_of(plane));
     luma_codes(isa, encoded, codes.luma.as_slice_mut().unwrap_or_default());
     for (codes, row) in codes.chroma.iter_mut().zip(TO_CHROMA) {
         chroma_codes(isa, row, encoded, codes.as_slice_mut().unwrap_or_default());

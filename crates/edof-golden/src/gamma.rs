@@ -6,7 +6,7 @@ use edof_core::number::{OutputSum, OutputWord, TableIndex, bits_of_mut};
 use edof_core::{ColourFrame, Tone};
 
 /// Entries of a colour's table.
-const COLOUR_ENTRIES: usize = 1 << COLOUR_ADDRESS_BITS;
+pub(crate) const COLOUR_ENTRIES: usize = 1 << COLOUR_ADDRESS_BITS;
 /// Returns the first words from 0 on.
 fn words(count: usize) -> impl Iterator<Item = OutputWord> {
     (0..count).map(|word| OutputWord::from_bits(word as i16))
@@ -53,10 +53,17 @@ impl Curve {
         let value = f64::from(word).min(1.0);
         let encoded = match (values, self) {
             (Tone::Srgb, Self::Srgb) => value,
-            (Tone::Srgb, _) => self.encode(srgb_decode(value)),
-            (Tone::Linear, _) => self.encode(value),
+            _ => self.encode(light(values, value)),
         };
         (zero + scale * encoded + 0.5).floor()
+    }
+}
+
+/// Returns the light of a value.
+pub(crate) fn light(values: Tone, value: f64) -> f64 {
+    match values {
+        Tone::Srgb => srgb_decode(value),
+        Tone::Linear => value,
     }
 }
 
@@ -131,6 +138,16 @@ impl ColourTable {
         Self(words(COLOUR_ENTRIES).map(entry).collect())
     }
 
+    /// The same with `gain` times the light: white from light of 1/`gain` on.
+    #[must_use]
+    pub fn amplified(values: Tone, curve: Curve, gain: f64) -> Self {
+        let entry = |word: OutputWord| {
+            let amplified = (gain * light(values, f64::from(word).min(1.0))).min(1.0);
+            (f64::from(COLOUR_MAX) * curve.encode(amplified) + 0.5).floor() as u16
+        };
+        Self(words(COLOUR_ENTRIES).map(entry).collect())
+    }
+
     /// A table of the user.
     ///
     /// # Errors
@@ -152,13 +169,12 @@ impl ColourTable {
         self.0[usize::from(index(light).to_bits())]
     }
 
-    /// Puts the entries in the place of their indices, and returns them.
-    pub fn encode<'a>(&self, light: &'a mut [TableIndex]) -> &'a mut [u16] {
-        let words = bits_of_mut(light);
+    /// Puts the entries in the place of their indices.
+    pub fn encode(&self, light: &mut [TableIndex]) {
         if let Some(entries) = self.0.first_chunk::<COLOUR_ENTRIES>() {
-            words.iter_mut().for_each(|word| *word = entries[usize::from(*word) % COLOUR_ENTRIES]);
+            let words = bits_of_mut(light).iter_mut();
+            words.for_each(|word| *word = entries[usize::from(*word) % COLOUR_ENTRIES]);
         }
-        words
     }
 }
 
@@ -192,6 +208,7 @@ fn check(
 mod tests {
     use super::*;
     use edof_core::display::WHITE;
+    use edof_core::number::bits_of;
 
     const CURVES: [Curve; 3] = [Curve::Linear, Curve::Srgb, Curve::Bt709];
 
@@ -212,6 +229,22 @@ mod tests {
         assert_eq!(LumaTable::new(Curve::Linear).code(OutputWord::lit("0.5")), 126);
         assert_eq!(LumaTable::new(Curve::Srgb).code(OutputWord::from_bits(3506)), 125);
         assert_eq!(ColourTable::new(Curve::Linear).encoded(OutputSum::lit("0.5")), 2048);
+    }
+
+    #[test]
+    fn amplified_light_is_shown_as_that_much_light() {
+        for (values, curve) in Tone::ALL.into_iter().flat_map(|tone| CURVES.map(|curve| (tone, curve))) {
+            let usual = ColourTable::of_values(values, curve);
+            let same = ColourTable::amplified(values, curve, 1.0);
+            assert!(usual.entries().iter().zip(same.entries()).all(|(a, b)| a.abs_diff(*b) <= 1));
+        }
+        for curve in CURVES {
+            let (usual, doubled) =
+                (ColourTable::new(curve), ColourTable::amplified(Tone::Linear, curve, 2.0));
+            let encoded = |table: &ColourTable, light| table.encoded(OutputSum::from_bits(light));
+            assert!((0..1 << 13).all(|light| encoded(&doubled, light) == encoded(&usual, 2 * light)));
+            assert!((1 << 13..1 << 14).all(|light| encoded(&doubled, light) == 4095));
+        }
     }
 
     #[test]
@@ -262,7 +295,8 @@ mod tests {
     fn addresses_are_replaced_by_their_entries() {
         let table = ColourTable::new(Curve::Srgb);
         let mut light: Vec<TableIndex> = (0..1 << 14).rev().map(TableIndex::from_bits).collect();
-        assert!(table.encode(&mut light).iter().rev().eq(table.entries()));
+        table.encode(&mut light);
+        assert!(bits_of(&light).iter().rev().eq(table.entries()));
         let encoded = |light| table.encoded(OutputSum::from_bits(light));
         assert!((0..1 << 14).all(|light| encoded(light) == table.entries()[light as usize]));
     }

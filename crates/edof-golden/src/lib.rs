@@ -55,7 +55,7 @@ pub mod windows;
 pub mod words;
 
 pub use checks::FrameChecks;
-pub use display::{Display, DisplayCounts, Picture};
+pub use display::{Display, DisplayCounts, Mix, Picture};
 pub use frame::{Golden, GoldenFrame};
 pub use gamma::{ColourTable, Curve, LumaTable};
 pub use reconstructor::GoldenReconstructor;

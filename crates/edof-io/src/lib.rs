@@ -15,6 +15,7 @@
 //! | picture files, before either meaning is given to them | [`picture`], its pixels [`samples`] |
 //! | what a picture file states of its transfer curve | [`transfer`] |
 //! | PGM and PPM with any maximum value | [`pnm`] |
+//! | streams of pictures in Y′CbCr | [`y4m`] |
 //!
 //! Everything is written through [`edof_core::storage::atomic`]: a file appears whole or not at all.
 //!
@@ -52,3 +53,4 @@ pub mod rendering;
 pub mod samples;
 mod tiff;
 pub mod transfer;
+pub mod y4m;

@@ -4,6 +4,8 @@
 //! |---|---|---|
 //! | `words` | 16 | one word a pixel |
 //! | `bytes` | 8 | one byte a pixel |
+//! | `mipi10` | 10 | MIPI CSI-2 RAW10: the high bytes of four pixels, then their low pairs of bits, the first pixel's lowest |
+//! | `10p` | 10 | PFNC `10p`: one stream of bits, lowest first |
 //! | `mipi12` | 12 | MIPI CSI-2 RAW12: the high bytes of two pixels, then their low nibbles, the first pixel's below |
 //! | `12p` | 12 | PFNC `12p`: one stream of bits, lowest first |
 //! | `12packed` | 12 | GigE Vision `12Packed`: high byte, low nibbles of both (the first pixel's below), high byte |
@@ -29,6 +31,10 @@ pub enum Packing {
     Words,
     /// 8-bit pixels.
     Bytes,
+    /// MIPI CSI-2 RAW10.
+    Mipi10,
+    /// PFNC 10p.
+    Bits10,
     /// MIPI CSI-2 RAW12.
     Mipi12,
     /// PFNC 12p.
@@ -50,8 +56,16 @@ pub struct Stray {
 
 impl Packing {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Words, Self::Bytes, Self::Mipi12, Self::Bits12, Self::Packed12, Self::Video];
+    pub const ALL: [Self; 8] = [
+        Self::Words,
+        Self::Bytes,
+        Self::Mipi10,
+        Self::Bits10,
+        Self::Mipi12,
+        Self::Bits12,
+        Self::Packed12,
+        Self::Video,
+    ];
 
     /// As options name it.
     #[must_use]
@@ -59,6 +73,8 @@ impl Packing {
         match self {
             Self::Words => "words",
             Self::Bytes => "bytes",
+            Self::Mipi10 => "mipi10",
+            Self::Bits10 => "10p",
             Self::Mipi12 => "mipi12",
             Self::Bits12 => "12p",
             Self::Packed12 => "12packed",
@@ -78,11 +94,12 @@ impl Packing {
         match self {
             Self::Words | Self::Video => 16,
             Self::Bytes => 8,
+            Self::Mipi10 | Self::Bits10 => 10,
             Self::Mipi12 | Self::Bits12 | Self::Packed12 => 12,
         }
     }
 
-    /// Bytes of an even number of pixels.
+    /// Bytes of whole Bayer cells, whose pixels are a multiple of four.
     #[must_use]
     pub const fn bytes(self, pixels: usize) -> usize {
         (pixels * self.bits() as usize).div_ceil(8)
@@ -93,26 +110,56 @@ impl Packing {
     /// # Errors
     /// [`Stray`]: the first byte of video that carries nothing.
     pub fn values(self, bytes: &[u8], order: ByteOrder) -> Result<Vec<u16>, Stray> {
-        if self == Self::Video {
-            return words_of_video(bytes);
-        }
+        let mut values = vec![];
+        self.values_into(bytes, order, &mut values)?;
+        Ok(values)
+    }
+
+    /// Puts the pixels' values in the place of others, whose memory is kept.
+    ///
+    /// # Errors
+    /// As [`Packing::values`].
+    pub fn values_into(self, bytes: &[u8], order: ByteOrder, values: &mut Vec<u16>) -> Result<(), Stray> {
         let [high, low] = [|byte: u8| u16::from(byte) << 4, |byte: u8| u16::from(byte >> 4)];
         let nibble = |byte: u8| u16::from(byte & 15);
-        let pair = |b: &[u8]| match self {
-            Self::Mipi12 => [high(b[0]) | nibble(b[2]), high(b[1]) | low(b[2])],
-            Self::Bits12 => [u16::from(b[0]) | nibble(b[1]) << 8, low(b[1]) | high(b[2])],
-            _ => [high(b[0]) | nibble(b[1]), high(b[2]) | low(b[1])],
-        };
-        Ok(match (self, order) {
-            (Self::Words, ByteOrder::Little) => {
-                bytes.chunks_exact(2).map(|b| u16::from_le_bytes([b[0], b[1]])).collect()
+        match self {
+            Self::Video => *values = words_of_video(bytes)?,
+            Self::Words => unpack(bytes, values, |b: [u8; 2]| {
+                [if order == ByteOrder::Little { u16::from_le_bytes(b) } else { u16::from_be_bytes(b) }]
+            }),
+            Self::Bytes => unpack(bytes, values, |[b]: [u8; 1]| [u16::from(b)]),
+            Self::Mipi10 => unpack(bytes, values, |[a, b, c, d, low]: [u8; 5]| {
+                let word = |high: u8, place: u32| u16::from(high) << 2 | u16::from(low >> (2 * place) & 3);
+                [word(a, 0), word(b, 1), word(c, 2), word(d, 3)]
+            }),
+            Self::Bits10 => unpack(bytes, values, |b: [u8; 5]| {
+                let word = |i: usize| u16::from_le_bytes([b[i], b[i + 1]]) >> (2 * i) & 1023;
+                [word(0), word(1), word(2), word(3)]
+            }),
+            Self::Mipi12 => {
+                unpack(bytes, values, |[a, b, both]: [u8; 3]| [high(a) | nibble(both), high(b) | low(both)])
             }
-            (Self::Words, ByteOrder::Big) => {
-                bytes.chunks_exact(2).map(|b| u16::from_be_bytes([b[0], b[1]])).collect()
+            Self::Bits12 => unpack(bytes, values, |[a, both, b]: [u8; 3]| {
+                [u16::from(a) | nibble(both) << 8, low(both) | high(b)]
+            }),
+            Self::Packed12 => {
+                unpack(bytes, values, |[a, both, b]: [u8; 3]| [high(a) | nibble(both), high(b) | low(both)])
             }
-            (Self::Bytes, _) => bytes.iter().map(|b| u16::from(*b)).collect(),
-            _ => bytes.chunks_exact(3).flat_map(pair).collect(),
-        })
+        }
+        Ok(())
+    }
+}
+
+/// Unpacks groups of N bytes, each into P values.
+fn unpack<const N: usize, const P: usize>(
+    bytes: &[u8],
+    values: &mut Vec<u16>,
+    group: impl Fn([u8; N]) -> [u16; P],
+) {
+    let (groups, _) = bytes.as_chunks::<N>();
+    values.resize(P * groups.len(), 0);
+    for (to, from) in values.as_chunks_mut::<P>().0.iter_mut().zip(groups) {
+        *to = group(*from);
     }
 }
 
@@ -136,7 +183,7 @@ fn words_of_video(bytes: &[u8]) -> Result<Vec<u16>, Stray> {
 
 /// A name that stands for no packing.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("packing '{0}': must be words, bytes, mipi12, 12p, 12packed or 2vuy")]
+#[error("packing '{0}': must be words, bytes, mipi10, 10p, mipi12, 12p, 12packed or 2vuy")]
 pub struct WrongPacking(String);
 
 impl std::str::FromStr for Packing {
@@ -175,6 +222,20 @@ mod tests {
     }
 
     #[test]
+    fn four_pixels_lie_in_five_bytes_as_each_standard_has_it() {
+        let pixels = [0x3a5, 0x001, 0x200, 0x15a];
+        let high = pixels.map(|pixel| (pixel >> 2) as u8);
+        // MIPI CSI-2: the low bits of the first pixel are the lowest of the fifth byte. PFNC: pixel i begins at bit 10·i of the stream.
+        let mipi = [&high[..], &[0b10_00_01_01]].concat();
+        let stream = pixels.iter().zip(0..).map(|(pixel, i)| u64::from(*pixel) << (10 * i)).sum::<u64>();
+        for (packing, bytes) in [(Packing::Mipi10, &mipi[..]), (Packing::Bits10, &stream.to_le_bytes()[..5])]
+        {
+            assert_eq!(packing.values(bytes, ByteOrder::Little).unwrap(), pixels, "{}", packing.name());
+            assert_eq!(packing.bytes(4), 5);
+        }
+    }
+
+    #[test]
     fn video_has_chroma_before_luma_and_carries_fourteen_bits() {
         let frame =
             RawFrame::from_values(ndarray::array![[0x9e37, 0], [0xffff, 3]], 16, edof_core::CfaPhase::Rggb)
@@ -192,7 +253,7 @@ mod tests {
         assert!(Packing::ALL.into_iter().all(|packing| packing.name().parse() == Ok(packing)));
         assert_eq!(
             "raw10".parse::<Packing>().unwrap_err().to_string(),
-            "packing 'raw10': must be words, bytes, mipi12, 12p, 12packed or 2vuy"
+            "packing 'raw10': must be words, bytes, mipi10, 10p, mipi12, 12p, 12packed or 2vuy"
         );
     }
 }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | from a scene to a raw frame | [`CaptureJob`] |
 //! | from a raw frame to a picture | [`ReconstructJob`] |
+//! | from a stream of raw frames to one of pictures | [`StreamJob`] |
 //! | photographs, depth maps and listed scenes that jobs read | [`photograph`], [`DepthMap`], [`ListedScene`] |
 //! | whether a job fits the machine | [`memory`] |
 //!
@@ -20,6 +21,7 @@ mod note;
 mod npz;
 pub mod photograph;
 mod reconstruct;
+mod stream;
 
 pub use capture::{CaptureJob, CaptureOutputs, Captured, SceneSource, Synthetic, check_memory};
 pub use depth_map::{DepthMap, Meaning, Scale};
@@ -29,3 +31,4 @@ pub use listed::ListedScene;
 pub use note::{FrameNote, OtherLens, PictureNote};
 pub use npz::Npz;
 pub use reconstruct::{Engine, FixedOptions, FrameSource, ReconstructJob, Reconstructed, words_file};
+pub use stream::{Balance, Layout, Pace, StreamError, StreamJob, Streamed, VideoFormat};

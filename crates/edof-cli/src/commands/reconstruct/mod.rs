@@ -3,7 +3,7 @@
 mod options;
 mod wording;
 
-pub use options::Args;
+pub use options::{Args, Gamma};
 
 use crate::error::Error;
 use crate::files::Files;

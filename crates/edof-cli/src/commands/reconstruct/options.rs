@@ -94,8 +94,8 @@ pub struct Args {
     #[arg(long, value_parser = ["little", "big"], default_value = "little")]
     pub(super) order: String,
 
-    /// Packing of a headerless file's pixels: words (16 bits each), bytes (8), mipi12 (MIPI RAW12), 12p (PFNC), 12packed (GigE
-    /// Vision) or 2vuy (as --video) [default: words]
+    /// Packing of a headerless file's pixels: words (16 bits each), bytes (8), mipi10, mipi12 (MIPI RAW10, RAW12), 10p, 12p (PFNC),
+    /// 12packed (GigE Vision) or 2vuy (as --video) [default: words]
     #[arg(long, requires = "size")]
     pub(super) packing: Option<Packing>,
 
@@ -155,13 +155,23 @@ pub struct Args {
 
 /// Transfer curves by name.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub(super) enum Gamma {
+pub enum Gamma {
     /// Numbers proportional to light
     Linear,
     /// For an sRGB screen
     Srgb,
     /// BT.709's camera curve
     Bt709,
+}
+
+impl From<Gamma> for Curve {
+    fn from(gamma: Gamma) -> Self {
+        match gamma {
+            Gamma::Linear => Self::Linear,
+            Gamma::Srgb => Self::Srgb,
+            Gamma::Bt709 => Self::Bt709,
+        }
+    }
 }
 
 impl Args {
@@ -220,11 +230,7 @@ impl Args {
             accepts_any_lens: self.force,
             engine,
             device: self.device,
-            curve: self.gamma.map(|gamma| match gamma {
-                Gamma::Linear => Curve::Linear,
-                Gamma::Srgb => Curve::Srgb,
-                Gamma::Bt709 => Curve::Bt709,
-            }),
+            curve: self.gamma.map(Into::into),
             bits: self.bits,
             out: frame.out,
         })

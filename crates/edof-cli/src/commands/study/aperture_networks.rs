@@ -83,7 +83,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 }
 
 /// Weight files of a folder, in the order of their names, without those in fixed point.
-fn networks_in(folder: &Path) -> Result<Vec<String>, Error> {
+pub(super) fn networks_in(folder: &Path) -> Result<Vec<String>, Error> {
     const EXPECTED: &str = "expected a folder with NAME.safetensors of edof train";
     let wrong = |why: String| Error::message(format!("--networks {}: {why}, {EXPECTED}", folder.display()));
     let entries = std::fs::read_dir(folder).map_err(|e| wrong(format!("cannot be read: {e}")))?;

@@ -10,6 +10,7 @@ use edof_study::codes::Codes;
 use edof_study::journal::{Header, Journal, Line, Mixing};
 use edof_study::knobs::Knobs;
 use edof_study::known_blurs::KnownBlurs;
+use edof_study::lens_networks::LensNetworks;
 use edof_study::multi_depth::MultiDepth;
 use edof_study::speed::Speed;
 use edof_study::study_report::StudyReport;
@@ -27,7 +28,8 @@ Example:
   for i in 1 2 3; do edof study single-depth --shard $i/3 --rows part-$i.jsonl & done; wait
   edof study merge --out rows.jsonl part-1.jsonl part-2.jsonl part-3.jsonl --report speed.html")]
 pub struct Args {
-    /// Files of rows, as --rows of kodak, single-depth, multi-depth, blind, codes, knobs, aperture, aperture-networks or tolerances wrote them
+    /// Files of rows, as --rows of kodak, single-depth, multi-depth, blind, codes, knobs, aperture, aperture-networks, lens-networks or tolerances
+    /// wrote them
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
@@ -62,6 +64,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Some(study) if study == study_of::<ApertureNetworks>() => merged::<ApertureNetworks>(&args, ui),
         Some(study) if study == study_of::<Codes>() => merged::<Codes>(&args, ui),
         Some(study) if study == study_of::<Knobs>() => merged::<Knobs>(&args, ui),
+        Some(study) if study == study_of::<LensNetworks>() => merged::<LensNetworks>(&args, ui),
         Some(study) if study == study_of::<MultiDepth>() => merged::<MultiDepth>(&args, ui),
         Some(study) if study == study_of::<KnownBlurs>() => merged::<KnownBlurs>(&args, ui),
         Some(study) if study == study_of::<Study>() => merged::<Study>(&args, ui),

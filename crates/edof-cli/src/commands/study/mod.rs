@@ -9,6 +9,7 @@ mod design;
 mod dictionary;
 mod knobs;
 mod kodak;
+mod lens_networks;
 mod merge;
 mod multi_depth;
 mod nets;
@@ -53,6 +54,7 @@ enum Experiment {
     Bits(bits::Args),
     Aperture(aperture::Args),
     ApertureNetworks(aperture_networks::Args),
+    LensNetworks(lens_networks::Args),
     Tolerances(tolerances::Args),
 }
 
@@ -73,6 +75,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Experiment::Bits(args) => bits::run(args, ui),
         Experiment::Aperture(args) => aperture::run(args, ui),
         Experiment::ApertureNetworks(args) => aperture_networks::run(args, ui),
+        Experiment::LensNetworks(args) => lens_networks::run(args, ui),
         Experiment::Tolerances(args) => tolerances::run(args, ui),
     }
 }

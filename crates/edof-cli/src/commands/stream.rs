@@ -1,0 +1,316 @@
+//! `edof stream`: from a stream of raw frames to a stream of pictures.
+
+use crate::commands::reconstruct::Gamma;
+use crate::error::Error;
+use crate::files::Files;
+use crate::interrupt;
+use crate::limits::all_within;
+use crate::ui::Ui;
+use crate::weights;
+use clap::ValueEnum;
+use edof::job::{Balance, Layout, Pace, StreamError, StreamJob, VideoFormat};
+use edof_core::words::count;
+use edof_core::{CfaPhase, Noise, Tone};
+use edof_io::levels::{Black, Levels};
+use edof_io::packing::{ByteOrder, Packing};
+use edof_io::raw::Size;
+use edof_io::rendering::{ColourMatrix, WhiteBalance};
+use edof_io::y4m::Rate;
+use serde_json::json;
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// Reconstruct a stream of raw Bayer frames into a stream of pictures
+///
+/// RAW is a pipe, a device or a file of frames without headers, one after the other; - is standard input. Every frame becomes a picture of 8-bit Y'CbCr 4:2:2
+/// (BT.709, studio range), in the order of the frames. The network runs in the board's integers.
+///
+/// A slow reader of the pictures slows the stream down. With --live the oldest frame that waits is left out instead, and counted.
+/// Once a second, a line on standard error states the frames so far, the rate, the frames left out, and the latency: the time from a frame's last byte in
+/// to its last byte out. Ctrl-C ends the stream after a whole picture.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  camera | edof stream - --size 1920x1080 --packing 12p --out - | ffplay -
+  edof stream frames.raw --size 1456x1088 --packing mipi10 --phase gbrg --out frames.y4m
+  edof stream - --size 1920x1080 --packing 12p --white-balance auto --live --format yuyv422 --out -
+  edof stream frames.raw --size 640x480 --packing bytes --gain 4 --out - | ffmpeg -i - frames.mp4")]
+pub struct Args {
+    /// Raw frames; - is standard input
+    raw: PathBuf,
+
+    /// Size of a frame in pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT")]
+    size: Size,
+
+    /// Packing of the pixels: words (16 bits each), bytes (8), mipi10, mipi12 (MIPI RAW10, RAW12), 10p, 12p (PFNC), 12packed (GigE Vision) or 2vuy
+    /// (video for the board's cable)
+    #[arg(long, default_value = "words")]
+    packing: Packing,
+
+    /// Colour filter of the first 2x2 pixels: rggb, grbg, gbrg or bggr
+    #[arg(long, default_value = "rggb", value_name = "CFA")]
+    phase: CfaPhase,
+
+    /// Bits per sensor value in words of 16 bits, 8 to 16, at the bottom of each word [default: 16]
+    #[arg(long = "bit-depth", value_name = "BITS")]
+    depth: Option<u32>,
+
+    /// Byte order of words
+    #[arg(long, value_parser = ["little", "big"], default_value = "little")]
+    order: String,
+
+    /// Sensor value of darkness; or four, with commas, for the 2x2 pixels from the first on, row by row
+    #[arg(long, value_name = "LEVEL", default_value = "0")]
+    black_level: Black,
+
+    /// Sensor value of full light [default: the largest value of the sensor's bits]
+    #[arg(long, value_name = "LEVEL")]
+    white_level: Option<f64>,
+
+    /// White balance: gains of red, green and blue as in 2.1,1,1.6; or auto, which makes the mean of each frame grey and follows slowly [default: none]
+    #[arg(long, value_name = "R,G,B|auto")]
+    white_balance: Option<Balanced>,
+
+    /// Matrix from balanced sensor colours to linear sRGB: nine numbers, row by row, each row adding up to 1 [default: none]
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true)]
+    colour_matrix: Option<ColourMatrix>,
+
+    /// Transfer curve of the pictures
+    #[arg(long, value_name = "CURVE", default_value = "srgb")]
+    gamma: Gamma,
+
+    /// Network: a name such as edof-t4w12-outer-light, or a weight file [default: edof-t4w12-outer-light]
+    #[arg(long, value_name = "NAME|FILE")]
+    weights: Option<String>,
+
+    /// Gain of the sensor, 1 to 1000: the network of that noise is taken [default: the network for most noises]
+    #[arg(long, value_name = "GAIN")]
+    gain: Option<f64>,
+
+    /// What to write: y4m (states size and rate), yuv422p (planes) or yuyv422 (bytes Y Cb Y Cr)
+    #[arg(long, value_enum, default_value = "y4m", value_name = "FORMAT", hide_possible_values = true)]
+    format: Form,
+
+    /// Frames per second that y4m states: a number, or a ratio as in 30000:1001 [default: 30]
+    #[arg(long, value_name = "RATE")]
+    fps: Option<Rate>,
+
+    /// Leave out the oldest waiting frame where frames come faster than they are computed
+    #[arg(long)]
+    live: bool,
+
+    /// Pictures to write: a file, a pipe or a device; - is standard output
+    #[arg(long, value_name = "FILE|-")]
+    out: PathBuf,
+}
+
+/// A white balance as an option has it.
+#[derive(Debug, Clone, Copy)]
+struct Balanced(Balance);
+
+impl FromStr for Balanced {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self(Balance::Auto)),
+            _ => match text.parse::<WhiteBalance>() {
+                Ok(balance) => Ok(Self(Balance::Fixed(balance))),
+                Err(error) => Err(format!("{error}, or auto")),
+            },
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Form {
+    /// YUV4MPEG2
+    Y4m,
+    /// Planes
+    Yuv422p,
+    /// Packed
+    Yuyv422,
+}
+
+/// # Errors
+/// Options, a network or frames that cannot be used, a cut frame, an output that cannot be written, or Ctrl-C.
+pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let name = args.network()?;
+    args.check_files(&name, ui)?;
+    let job = args.job(&name, ui)?;
+    job.check().map_err(|error| args.failed(&error))?;
+    args.check_length(&job.layout)?;
+    let tell = |pace: &Pace| ui.status(in_words(pace), &json!({ "stream": pace }));
+    let done = job
+        .run(args.input()?, args.output()?, &tell, &interrupt::flow)
+        .map_err(|error| args.failed(&error))?;
+    let pace = &done.pace;
+    if pace.frames == 0 && !done.is_closed && !done.is_stopped {
+        return Err(Error::message(format!("{}: ended before the first frame", args.raw_in_words())));
+    }
+    if done.is_closed {
+        ui.note(format!(
+            "{}: was closed by its reader after {}",
+            args.out_in_words(),
+            count(pace.frames as usize, "picture")
+        ));
+    }
+    ui.status(format!("in all {}", in_words(pace)), &json!({ "streamed": pace }));
+    ui.json(pace)?;
+    if done.is_stopped { Err(Error::Interrupted) } else { Ok(()) }
+}
+
+fn in_words(pace: &Pace) -> String {
+    format!(
+        "{}, {:.1} frames/s, {} left out, latency {:.0} ms, at most {:.0} ms",
+        count(pace.frames as usize, "frame"),
+        pace.per_second,
+        pace.dropped,
+        pace.latency_ms,
+        pace.most_latency_ms,
+    )
+}
+
+fn is_standard(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+impl Args {
+    /// Name or file of the network.
+    fn network(&self) -> Result<String, Error> {
+        let usual = self.weights.as_deref().unwrap_or_else(|| weights::default_for(Tone::Srgb));
+        let Some(gain) = self.gain else { return Ok(usual.to_owned()) };
+        all_within("--gain", &[gain], 1.0, 1000.0)?;
+        Ok(weights::for_noise(usual, Tone::Srgb, Noise::sensor(gain)).to_owned())
+    }
+
+    fn check_files(&self, network: &str, ui: &Ui) -> Result<(), Error> {
+        if is_standard(&self.out) && ui.json_has_stdout() {
+            return Err(Error::message(
+                "--json: standard output has the pictures; name a file, as in --json pace.json",
+            ));
+        }
+        let mut files = Files::new(ui).reads_all(weights::fixed_file(network));
+        if !is_standard(&self.raw) {
+            files = files.reads(&self.raw);
+        }
+        if !is_standard(&self.out) {
+            files = files.writes("--out", &self.out);
+        }
+        files.check()
+    }
+
+    fn job(&self, network: &str, ui: &Ui) -> Result<StreamJob, Error> {
+        if self.fps.is_some() && self.format != Form::Y4m {
+            return Err(Error::message(
+                "--fps: only y4m states a rate; leave --fps out, or use --format y4m",
+            ));
+        }
+        if let Some(depth) = self.depth.filter(|_| self.packing != Packing::Words) {
+            return Err(Error::message(format!(
+                "--bit-depth {depth}: {} states the bits; leave --bit-depth out, or use --packing words",
+                self.packing.name()
+            )));
+        }
+        let rate = match self.fps {
+            Some(rate) => rate,
+            None => "30".parse()?,
+        };
+        let fixed = weights::fixed(network)?;
+        ui.used(weights::fixed_input(network)?);
+        Ok(StreamJob {
+            layout: Layout {
+                size: self.size,
+                packing: self.packing,
+                order: if self.order == "big" { ByteOrder::Big } else { ByteOrder::Little },
+                depth: self.depth,
+                phase: self.phase,
+                levels: Levels { black: self.black_level, white: self.white_level },
+            },
+            network: fixed,
+            balance: self.white_balance.map_or(Balance::None, |Balanced(balance)| balance),
+            matrix: self.colour_matrix,
+            curve: self.gamma.into(),
+            format: match self.format {
+                Form::Y4m => VideoFormat::Y4m(rate),
+                Form::Yuv422p => VideoFormat::Planar,
+                Form::Yuyv422 => VideoFormat::Packed,
+            },
+            is_live: self.live,
+        })
+    }
+
+    /// Rejects a file that does not hold whole frames, before the first is computed.
+    fn check_length(&self, layout: &Layout) -> Result<(), Error> {
+        let length =
+            std::fs::metadata(&self.raw).ok().filter(std::fs::Metadata::is_file).map(|what| what.len());
+        let frame = layout.bytes() as u64;
+        match length.filter(|_| !is_standard(&self.raw)).filter(|length| *length == 0 || length % frame != 0)
+        {
+            None => Ok(()),
+            Some(found) => Err(Error::message(format!(
+                "{}: {found} bytes, expected whole frames of {frame} ({} packed as {}); give the right --size and --packing",
+                self.raw.display(),
+                self.size,
+                self.packing.name()
+            ))),
+        }
+    }
+
+    fn input(&self) -> Result<Box<dyn Read + Send>, Error> {
+        if is_standard(&self.raw) {
+            return Ok(Box::new(io::stdin()));
+        }
+        let failed = |error| Error::message(format!("{}: cannot read: {error}", self.raw.display()));
+        Ok(Box::new(File::open(&self.raw).map_err(failed)?))
+    }
+
+    fn output(&self) -> Result<Box<dyn Write + Send>, Error> {
+        let failed = |error| Error::message(format!("{}: cannot write: {error}", self.out_in_words()));
+        if is_standard(&self.out) {
+            standard_output().map_err(failed)
+        } else {
+            Ok(Box::new(File::create(&self.out).map_err(failed)?))
+        }
+    }
+
+    fn raw_in_words(&self) -> String {
+        if is_standard(&self.raw) { "standard input".to_owned() } else { self.raw.display().to_string() }
+    }
+
+    fn out_in_words(&self) -> String {
+        if is_standard(&self.out) { "standard output".to_owned() } else { self.out.display().to_string() }
+    }
+
+    /// A failure by the option or the place that it is about.
+    fn failed(&self, error: &StreamError) -> Error {
+        let raw = self.raw_in_words();
+        Error::message(match error {
+            StreamError::Write { .. } => format!("{}: {error}", self.out_in_words()),
+            StreamError::Levels(_) => format!("--black-level, --white-level: {error}"),
+            StreamError::Frame(_) if self.depth.is_some() => format!("--bit-depth, --size: {error}"),
+            StreamError::Frame(_) | StreamError::Geometry(_) => format!("--size {}: {error}", self.size),
+            StreamError::Network(_) | StreamError::Thread(_) => error.to_string(),
+            StreamError::Cut { .. }
+            | StreamError::Read { .. }
+            | StreamError::Value { .. }
+            | StreamError::Code { .. } => {
+                format!("{raw}: {error}")
+            }
+        })
+    }
+}
+
+/// Standard output past the line buffer of the standard library.
+#[cfg(unix)]
+fn standard_output() -> io::Result<Box<dyn Write + Send>> {
+    use std::os::fd::AsFd;
+    Ok(Box::new(File::from(io::stdout().as_fd().try_clone_to_owned()?)))
+}
+
+#[cfg(not(unix))]
+fn standard_output() -> io::Result<Box<dyn Write + Send>> {
+    Ok(Box::new(io::stdout()))
+}

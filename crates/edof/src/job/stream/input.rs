@@ -1,0 +1,174 @@
+//! Frames of a stream: bytes, sensor values, and the words that a network takes.
+
+use super::StreamError;
+use edof_core::frame::FrameError;
+use edof_core::{CfaPhase, RawFrame, Tone};
+use edof_io::levels::Levels;
+use edof_io::packing::{ByteOrder, Packing, Stray};
+use edof_io::raw::Size;
+use ndarray::Array2;
+use std::io::{ErrorKind, Read};
+
+/// How every frame of a stream lies in bytes, and what its values are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Layout {
+    /// Columns and rows.
+    pub size: Size,
+    /// Packing of the pixels.
+    pub packing: Packing,
+    /// Order of the bytes of words.
+    pub order: ByteOrder,
+    /// Bits of the sensor; by default those of the packing.
+    pub depth: Option<u32>,
+    /// Colour filter of the first pixel.
+    pub phase: CfaPhase,
+    /// Sensor values of no and of full light.
+    pub levels: Levels,
+}
+
+impl Layout {
+    /// Returns the bytes of a frame.
+    #[must_use]
+    pub const fn bytes(&self) -> usize {
+        self.packing.bytes(self.size.width * self.size.height)
+    }
+
+    /// Returns the bits of the sensor.
+    #[must_use]
+    pub fn depth(&self) -> u32 {
+        self.depth.unwrap_or(self.packing.bits())
+    }
+
+    /// Reads the next frame, whose number counts from 1; returns whether there is one.
+    pub(super) fn read(
+        &self,
+        number: u64,
+        input: &mut dyn Read,
+        frame: &mut Vec<u8>,
+    ) -> Result<bool, StreamError> {
+        frame.resize(self.bytes(), 0);
+        let mut found = 0;
+        while found < frame.len() {
+            match input.read(&mut frame[found..]) {
+                Ok(0) if found == 0 => return Ok(false),
+                Ok(0) => {
+                    let (expected, Self { size, packing, .. }) = (frame.len(), *self);
+                    return Err(StreamError::Cut { number, found, expected, size, packing });
+                }
+                Ok(count) => found += count,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(source) => return Err(StreamError::Read { number, source }),
+            }
+        }
+        Ok(true)
+    }
+}
+
+/// Makes words of a network of bytes of frames, in memory that is kept.
+pub(super) struct Words {
+    layout: Layout,
+    /// The word for each value of a sensor, for each of the 2×2 pixels of a cell.
+    tables: [Vec<u16>; 4],
+    memory: Vec<u16>,
+}
+
+impl Words {
+    /// The words of a network whose values are those of a tone.
+    pub(super) fn new(layout: Layout, values: Tone) -> Result<Self, StreamError> {
+        let depth = layout.depth();
+        if !(8..=16).contains(&depth) {
+            return Err(FrameError::Depth(depth).into());
+        }
+        // A frame that has every value at each place of a cell.
+        let all = Array2::from_shape_fn((2, 2 << depth), |(_, column)| (column / 2) as u16);
+        let frame = layout.levels.light(&RawFrame::from_values(all, depth, layout.phase)?)?;
+        let words = frame.encoded(values).into_owned().into_pixels();
+        let of_place =
+            |place: usize| words.row(place / 2).iter().skip(place % 2).step_by(2).copied().collect();
+        Ok(Self { layout, tables: [0, 1, 2, 3].map(of_place), memory: vec![] })
+    }
+
+    /// Makes a frame of its bytes.
+    pub(super) fn frame(&mut self, number: u64, bytes: &[u8]) -> Result<RawFrame, StreamError> {
+        let Layout { size: Size { width, height }, packing, order, phase, .. } = self.layout;
+        let mut values = std::mem::take(&mut self.memory);
+        packing.values_into(bytes, order, &mut values).map_err(|Stray { pixel, code }| {
+            StreamError::Code { number, row: pixel / width, column: pixel % width, code }
+        })?;
+        for (row, line) in values.chunks_exact_mut(width).enumerate() {
+            let [even, odd] = [0, 1].map(|column| self.tables[2 * (row % 2) + column].as_slice());
+            for (pair, [left, right]) in line.as_chunks_mut().0.iter_mut().enumerate() {
+                let words = even.get(usize::from(*left)).zip(odd.get(usize::from(*right)));
+                let Some((a, b)) = words else {
+                    let column = 2 * pair + usize::from(usize::from(*left) < even.len());
+                    let value = (*left).max(*right);
+                    let depth = self.layout.depth();
+                    return Err(StreamError::Value { number, row, column, value, depth });
+                };
+                (*left, *right) = (*a, *b);
+            }
+        }
+        let words = Array2::from_shape_vec((height, width), values).map_err(|_| {
+            let (found, expected) = (bytes.len(), self.layout.bytes());
+            StreamError::Cut { number, found, expected, size: self.layout.size, packing }
+        })?;
+        Ok(RawFrame::from_values(words, 16, phase)?)
+    }
+
+    /// Takes a frame's memory for the next one.
+    pub(super) fn keep(&mut self, frame: RawFrame) {
+        self.memory = frame.into_pixels().into_raw_vec_and_offset().0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use edof_io::levels::Black;
+
+    fn layout(packing: Packing) -> Layout {
+        let size = Size { width: 8, height: 4 };
+        let levels = Levels { black: Black::new([64.0, 65.0, 66.0, 67.0]).unwrap(), white: Some(3900.0) };
+        Layout { size, packing, order: ByteOrder::Little, depth: None, phase: CfaPhase::Gbrg, levels }
+    }
+
+    #[test]
+    fn words_are_those_of_the_same_frame_from_a_file() {
+        let layout = layout(Packing::Bits12);
+        let bytes: Vec<u8> = (0..48).map(|i| (i * 37 % 251) as u8).collect();
+        let values = Packing::Bits12.values(&bytes, ByteOrder::Little).unwrap();
+        let values = Array2::from_shape_vec((4, 8), values).unwrap();
+        let frame = RawFrame::from_values(values, 12, CfaPhase::Gbrg).unwrap();
+        for tone in Tone::ALL {
+            let mut words = Words::new(layout, tone).unwrap();
+            let expected = layout.levels.light(&frame).unwrap().encoded(tone).into_owned();
+            let found = words.frame(1, &bytes).unwrap();
+            assert_eq!(found.pixels(), expected.pixels(), "{tone:?}");
+            assert_eq!(found.phase(), CfaPhase::Gbrg);
+            // In the same memory.
+            words.keep(found);
+            assert_eq!(words.frame(2, &bytes).unwrap().pixels(), expected.pixels());
+        }
+    }
+
+    #[test]
+    fn a_frame_is_whole_or_an_error() {
+        let layout = layout(Packing::Bytes);
+        let bytes: Vec<u8> = (0..70).collect();
+        let (mut input, mut frame) = (&bytes[..], vec![]);
+        assert!(layout.read(1, &mut input, &mut frame).unwrap() && frame == bytes[..32]);
+        assert!(layout.read(2, &mut input, &mut frame).unwrap() && frame == bytes[32..64]);
+        let told = layout.read(3, &mut input, &mut frame).unwrap_err().to_string();
+        assert_eq!(told, "frame 3: ends after 6 of 32 bytes, expected whole frames of 8x4 packed as bytes");
+        assert!(!layout.read(3, &mut &[][..], &mut frame).unwrap());
+    }
+
+    #[test]
+    fn a_value_of_too_many_bits_is_named_by_its_place() {
+        let layout = Layout { depth: Some(12), ..layout(Packing::Words) };
+        let mut bytes = vec![0; 64];
+        bytes[2 * 19 + 1] = 0x10;
+        let told = Words::new(layout, Tone::Linear).unwrap().frame(5, &bytes).unwrap_err().to_string();
+        assert_eq!(told, "frame 5: pixel at row 2, column 3 is 4096, more than 12 bits can hold");
+    }
+}

@@ -1,0 +1,151 @@
+//! `edof stream`: frames through pipes and files become the pictures that the same frames become one by one.
+
+use crate::support::{Place, Run};
+use serde_json::Value;
+use std::process::Command;
+
+const FRAMES: usize = 3;
+const SIZE: (usize, usize) = (48, 32);
+const LINE: &str = "--size 48x32 --weights net.fixed.safetensors";
+
+/// A place with three frames of 12 bits in words, as one file and one by one, and as `12p`.
+fn ready() -> Place {
+    let place = Place::new();
+    place.fixed_network("net.fixed.safetensors");
+    let (mut all, mut packed) = (vec![], vec![]);
+    for frame in 0..FRAMES {
+        let value = |i: usize| ((i * 37 + i / 48 * 101 + 900 * frame) % 4096) as u16;
+        let values: Vec<u16> = (0..SIZE.0 * SIZE.1).map(value).collect();
+        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        place.write(&format!("{frame}.raw"), &bytes);
+        all.extend(bytes);
+        for pair in values.chunks_exact(2) {
+            let bits = u32::from(pair[0]) | u32::from(pair[1]) << 12;
+            packed.extend(&bits.to_le_bytes()[..3]);
+        }
+    }
+    place.write("all.raw", all);
+    place.write("all.12p", packed);
+    place
+}
+
+/// A line of bash with `edof` in place of the program, ended after a minute.
+fn bash(place: &Place, line: &str) -> Run {
+    let line = line.replace("edof ", &format!("timeout 60 {} ", env!("CARGO_BIN_EXE_edof")));
+    Command::new("bash").args(["-c", &line]).current_dir(place.path("")).output().unwrap().into()
+}
+
+fn read(place: &Place, file: &str) -> Vec<u8> {
+    std::fs::read(place.path(file)).unwrap()
+}
+
+/// The planes of the frames of a y4m file, one after the other.
+fn planes(y4m: &[u8]) -> Vec<&[u8]> {
+    let header = b"YUV4MPEG2 W48 H32 F30:1 Ip A1:1 C422 XCOLORRANGE=LIMITED\n";
+    let frames = y4m.strip_prefix(header).unwrap().chunks_exact(6 + 2 * SIZE.0 * SIZE.1);
+    assert!(frames.remainder().is_empty());
+    frames.map(|frame| frame.strip_prefix(b"FRAME\n").unwrap()).collect()
+}
+
+#[test]
+fn a_stream_of_frames_gives_the_pictures_of_the_frames() {
+    let place = ready();
+    bash(&place, &format!("cat all.12p | edof stream - {LINE} --packing 12p --phase gbrg --out - > all.y4m"))
+        .done();
+    let file = read(&place, "all.y4m");
+    let pictures = planes(&file);
+    assert_eq!(pictures.len(), FRAMES);
+    let yuyv = |planes: &[u8]| -> Vec<u8> {
+        let (luma, chroma) = planes.split_at(SIZE.0 * SIZE.1);
+        let (cb, cr) = chroma.split_at(chroma.len() / 2);
+        luma.chunks_exact(2).zip(cb.iter().zip(cr)).flat_map(|(y, (cb, cr))| [y[0], *cb, y[1], *cr]).collect()
+    };
+    // The board's pictures are of the upper 14 of 16 bits, which 12 bits leave as they are.
+    for (frame, planes) in pictures.iter().enumerate() {
+        let line = format!("reconstruct {frame}.raw --size 48x32 --bit-depth 12 --phase gbrg");
+        place.edof(&format!("{line} --weights net.fixed.safetensors --board --out {frame}.png")).done();
+        assert!(read(&place, &format!("{frame}.yuyv")) == yuyv(planes), "frame {frame}");
+    }
+    // The same from words in a file, in other formats.
+    let words = format!("stream all.raw {LINE} --bit-depth 12 --phase gbrg");
+    place.edof(&format!("{words} --format yuv422p --out all.planes")).done();
+    assert!(read(&place, "all.planes") == pictures.concat());
+    place.edof(&format!("{words} --format yuyv422 --live --out some.yuyv --json pace.json")).done();
+    let pace: Value = serde_json::from_slice(&read(&place, "pace.json")).unwrap();
+    let [frames, dropped] = ["frames", "dropped"].map(|key| pace[key].as_u64().unwrap() as usize);
+    assert_eq!((frames + dropped, read(&place, "some.yuyv").len()), (FRAMES, frames * 2 * SIZE.0 * SIZE.1));
+}
+
+#[test]
+fn a_named_pipe_is_read_as_long_as_somebody_writes() {
+    let place = ready();
+    place.pipe("camera");
+    let line = format!("edof stream camera {LINE} --bit-depth 12 --out - > piped.y4m");
+    bash(&place, &format!("(for i in 0 1 2; do cat $i.raw; sleep 0.1; done) > camera & {line}; wait")).done();
+    place.edof(&format!("stream all.raw {LINE} --bit-depth 12 --out all.y4m")).done();
+    assert!(read(&place, "piped.y4m") == read(&place, "all.y4m"));
+}
+
+#[test]
+fn pictures_that_nobody_reads_and_frames_that_are_cut_end_a_stream_in_one_line() {
+    let place = ready();
+    let run = bash(
+        &place,
+        &format!("edof stream all.raw {LINE} --bit-depth 12 --out - --progress json | head -c 4000 | wc -c"),
+    )
+    .done();
+    assert_eq!(run.out.trim(), "4000");
+    assert!(run.err.contains("standard output: was closed by its reader"), "{}", run.err);
+    let cut = format!("head -c 5000 all.raw | edof stream - {LINE} --bit-depth 12 --quiet --out cut.y4m");
+    bash(&place, &cut).refused(&["standard input: frame 2: ends after 1928 of 3072 bytes"]);
+    assert_eq!(planes(&read(&place, "cut.y4m")).len(), 1, "the picture before the cut frame is kept");
+    let nothing = format!("edof stream - {LINE} --quiet --out none.y4m < /dev/null");
+    bash(&place, &nothing).refused(&["standard input: ended before the first frame"]);
+}
+
+#[test]
+fn an_interrupted_stream_keeps_whole_pictures() {
+    let place = ready();
+    place.pipe("camera");
+    // The shell holds the pipe open, so that it does not end.
+    let line = format!(
+        "exec 9<>camera; edof stream camera {LINE} --bit-depth 12 --out kept.y4m & p=$!; cat all.raw >&9"
+    );
+    let size = "YUV4MPEG2 W48 H32 F30:1 Ip A1:1 C422 XCOLORRANGE=LIMITED\n".len()
+        + FRAMES * (6 + 2 * SIZE.0 * SIZE.1);
+    let waits = format!(
+        "for i in $(seq 500); do [ \"$(stat -c %s kept.y4m 2>/dev/null)\" = {size} ] && break; sleep 0.05; done"
+    );
+    let run = bash(&place, &format!("{line}; {waits}; kill -TERM $p; wait $p"));
+    assert_eq!(run.code, Some(130), "{}", run.err);
+    assert!(run.err.ends_with("edof: interrupted\n"), "{}", run.err);
+    assert_eq!(planes(&read(&place, "kept.y4m")).len(), FRAMES);
+}
+
+#[test]
+fn options_that_cannot_be_are_rejected_before_anything_is_written() {
+    let place = ready();
+    let line = format!("stream all.raw {LINE} --out o.y4m");
+    for (options, words) in [
+        ("--bit-depth 12 --packing 12p", "--bit-depth 12: 12p states the bits"),
+        ("--fps 25 --format yuv422p", "--fps: only y4m states a rate"),
+        ("--gain 0", "--gain 0: must be from 1 to 1000"),
+        ("--packing 10p", "all.raw: 9216 bytes, expected whole frames of 1920 (48x32 packed as 10p)"),
+        ("--white-level 1e9", "--black-level, --white-level: white level 1000000000: must be"),
+        ("--bit-depth 7", "--bit-depth, --size: bit depth 7: must be 8 to 16"),
+    ] {
+        place.edof(&format!("{line} {options}")).refused(&[words]);
+    }
+    place
+        .edof(&format!("stream all.raw {LINE} --out - --json"))
+        .refused(&["--json: standard output has the pictures"]);
+    place.edof(&format!("stream all.raw {LINE} --out all.raw")).refused(&["would replace all.raw"]);
+    place
+        .edof(&format!("stream none.raw {LINE} --out o.y4m"))
+        .refused(&["none.raw: cannot read: No such file"]);
+    for options in ["--white-balance blue", "--packing raw", "--fps 29.97", "--size 48", "--format avi"] {
+        let run = place.edof(&format!("{line} {options}"));
+        assert!(run.code == Some(2) && run.err.starts_with("error: "), "{options}: {}", run.err);
+    }
+    assert!(!place.path("o.y4m").exists());
+}
