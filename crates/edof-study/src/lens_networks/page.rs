@@ -380,7 +380,7 @@ impl LensNetworks {
         let series = blind.iter().zip(COLOURS.iter().cycle()).flat_map(|(lens, colour)| {
             let known = self.find(&lens.lens, true, electrons);
             let line = |lens: &Lens, word: &str, mark| {
-                Series::new(&format!("{}{word}", lens.lens), mark, lens.depths.clone()).coloured(*colour)
+                Series::new(format!("{}{word}", lens.lens), mark, lens.depths.clone()).coloured(*colour)
             };
             std::iter::once(line(lens, "", Mark::LineAndPoints))
                 .chain(known.map(|known| line(known, ", depth known", Mark::Dashed)))
