@@ -10,6 +10,7 @@ use edof_study::aperture::networks::ApertureNetworks;
 use edof_study::journal::{Header, Journal, Line, Maker, Mixing, RowsFile};
 use edof_study::knobs::Knobs;
 use edof_study::known_blurs::KnownBlurs;
+use edof_study::lens_networks::LensNetworks;
 use edof_study::made::{Made, OLD, machines};
 use edof_study::methods::nets::Net;
 use edof_study::methods::nets_by_noise;
@@ -222,6 +223,7 @@ fn a_table_gives_the_page_of_the_rows_that_it_was_made_from() {
     is_the_same_page::<KnownBlurs>();
     is_the_same_page::<Aperture>();
     is_the_same_page::<ApertureNetworks>();
+    is_the_same_page::<LensNetworks>();
     is_the_same_page::<Tolerances>();
 }
 
@@ -255,6 +257,12 @@ fn the_page_of_tolerances_says_what_its_rows_say() {
 fn the_page_of_smaller_apertures_with_networks_says_what_its_rows_say() {
     let study: ApertureNetworks = study_of_page("aperture-networks");
     assert_eq!(study.photographs, 8);
+}
+
+#[test]
+fn the_page_of_known_depths_says_what_its_rows_say() {
+    let study: LensNetworks = study_of_page("depth-known");
+    assert!(study.photographs == 8 && study.lenses.iter().any(|lens| lens.known));
 }
 
 #[test]
