@@ -10,11 +10,11 @@ MARGIN = 1.05
 
 
 def wanted(arguments, clocks):
-    """Megahertz that each clock must reach. nextpnr puts `$glbnet$` before the names of global nets."""
+    """Megahertz that each clock must reach. nextpnr puts `$glbnet$` before the names of global nets, and `$TRELLIS_IO_IN` behind those of pins."""
     if len(arguments) == 1 and "=" not in arguments[0]:
         return dict.fromkeys(clocks, float(arguments[0]))
     named = dict(argument.split("=") for argument in arguments)
-    found = {clock: clock.split("$")[-1] for clock in clocks}
+    found = {clock: clock.removeprefix("$glbnet$").removesuffix("$TRELLIS_IO_IN") for clock in clocks}
     if sorted(found.values()) != sorted(named):
         sys.exit(f"clocks {', '.join(clocks)} were found, expected {', '.join(named)}")
     return {clock: MARGIN * float(named[name]) for clock, name in found.items()}

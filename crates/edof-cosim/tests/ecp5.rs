@@ -242,9 +242,8 @@ fn weights_in_block_rams_with_their_own_registers_come_when_the_text_says() {
         assert_ne!(as_wrongly_mapped(&map.replace(right, wrong)), expected, "{wrong}");
     }
     // Halves of a word as they come in.
-    let swap = |map: String, bit: usize| {
-        map.replace(&format!(".DO{bit}("), &format!(".DO~{}(", (bit + 18) % 36))
-    };
+    let swap =
+        |map: String, bit: usize| map.replace(&format!(".DO{bit}("), &format!(".DO~{}(", (bit + 18) % 36));
     let straight = (0..36).fold(map.to_owned(), swap).replace('~', "");
     assert!(straight.contains(".DO0(found[block][32*half+0])"));
     assert_ne!(as_wrongly_mapped(&straight), expected);

@@ -73,9 +73,11 @@ fn made_files(design: &Design, shell: &Shell, core: &Project) -> Result<Vec<(Str
         .columns
         .map(|columns| ("constraints/floorplan.xdc", floorplan::lines(design, columns, "core/core")));
     let is_xdc = |(path, _): &(&str, &str)| path.ends_with(".xdc");
-    let crossings = shell.files.iter().any(|files| files.iter().any(is_xdc)).then(|| {
-        ("constraints/crossings.xdc", constraints::lines(&core.crossings, "core", &periods))
-    });
+    let crossings = shell
+        .files
+        .iter()
+        .any(|files| files.iter().any(is_xdc))
+        .then(|| ("constraints/crossings.xdc", constraints::lines(&core.crossings, "core", &periods)));
     let made = [
         ("source_map.json", core.source_map()),
         ("registers.md", markdown::page()),
@@ -83,7 +85,12 @@ fn made_files(design: &Design, shell: &Shell, core: &Project) -> Result<Vec<(Str
         ("registers.rdl", systemrdl::address_map()),
         ("lint.vlt", include_str!("../../../rtl/waivers.vlt").to_string()),
     ];
-    Ok(crossings.into_iter().chain(made).chain(floorplan).map(|(path, text)| (path.to_string(), text)).collect())
+    Ok(crossings
+        .into_iter()
+        .chain(made)
+        .chain(floorplan)
+        .map(|(path, text)| (path.to_string(), text))
+        .collect())
 }
 
 /// Period of the clock of memory and host.
@@ -99,7 +106,8 @@ fn numbers(design: &Design) -> Result<Vec<(String, String)>, ProjectError> {
         ("burst_words".to_owned(), board.memory.burst_words.to_string()),
     ];
     numbers.extend(figures(board, "calculator", clocks.calculator));
-    numbers.extend(board.clock(board.core_khz.into()).into_iter().flat_map(|core| figures(board, "core", core)));
+    numbers
+        .extend(board.clock(board.core_khz.into()).into_iter().flat_map(|core| figures(board, "core", core)));
     if let Some(screen) = clocks.screen {
         numbers.extend(figures(board, "screen", screen));
         if let Some(input) = &board.video_in {

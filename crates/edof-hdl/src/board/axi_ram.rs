@@ -80,8 +80,7 @@ impl<const W: usize, const S: usize> Logic for AxiRam<W, S> {
             self.is_writing.d.next = true;
             self.is_partial.d.next = false;
             self.write_id.d.next = self.write.aw_id.val();
-            self.write_row.d.next =
-                (self.write.aw_addr.val() >> self.word_shift.val()).get_bits::<16>(0);
+            self.write_row.d.next = (self.write.aw_addr.val() >> self.word_shift.val()).get_bits::<16>(0);
         }
         self.write.w_ready.next = self.is_writing.q.val();
         self.is_whole.next = self.write.w_strb.val() == self.all_bytes.val();
