@@ -115,7 +115,7 @@ module prove (
             // How the registers belong together.
             writing: assert (open ? \dut.is_partial_q == partial && \dut.write_id_q == write_id && sent < 4 + ended : !ended);
             reading: assert (owed == 0 || ( \dut.to_follow_q == owed - 1 && \dut.read_id_q == read_id && read_row + owed <= 23));
-            all_inside: assert (owed == \dut.to_ask_q + inside);
+            all_inside: assert ( \dut.to_ask_q <= owed && owed == \dut.to_ask_q + inside);
             room: assert (held + \dut.asked_1_q + \dut.asked_2_q <= ( \dut.queue.space_q ? 3 : 4));
             on_its_way: assert (!(known && untouched && owed != 0 && place < inside) || found == word);
             settled: assert (open || ! \dut.store_q );

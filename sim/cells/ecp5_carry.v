@@ -1,5 +1,7 @@
 // Functional model of an ECP5's carry cell (FPGA-TN-02200's slice in arithmetic mode), for simulators that have no model of Yosys': two LUTs of four inputs,
 // the carry of each from the lower half of its lower table.
+// verilator lint_off DECLFILENAME
+// verilator lint_off WIDTH
 module CCU2C (
     input CIN, A0, B0, C0, D0, A1, B1, C1, D1,
     output S0, S1, COUT

@@ -8,7 +8,6 @@ use edof_cosim::verilator::{Library, Model, Start};
 use edof_cosim::{Error, Source};
 use edof_device::board::ULX3S;
 use edof_hdl::board::AxiRam;
-use std::collections::VecDeque;
 
 /// Rows of 64 bits, and words of the longest burst.
 const ROWS: u64 = 64;
@@ -273,7 +272,7 @@ fn words_are_read_as_they_were_answered_whatever_stalls() {
 #[test]
 fn a_burst_takes_at_most_what_the_boards_agents_allow() {
     let master = run(1, false, |text| text);
-    assert_eq!(master.latest, [LONGEST + 3, LONGEST + 7]);
+    assert_eq!(master.latest, [LONGEST + 2, LONGEST + 5]);
     assert!(master.latest.iter().all(|cycles| *cycles <= ULX3S.memory.max_burst_cycles));
     assert_eq!(ULX3S.memory.burst_words as u64, LONGEST);
 }

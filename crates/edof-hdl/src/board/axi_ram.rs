@@ -12,7 +12,7 @@ const SLACK: usize = 4;
 
 /// Block RAM behind an AXI4 port: a burst of writes and one of reads at a time, whose addresses grow by a word.
 ///
-/// A burst of N words that nobody delays takes N + 3 cycles in writing and N + 7 in reading. What was answered is read. Words are written whole: one of
+/// A burst of N words that nobody delays takes N + 2 cycles in writing and N + 5 in reading. What was answered is read. Words are written whole: one of
 /// which some bytes alone are enabled is not written, and its burst is answered with an error. Bits of an address above the
 /// memory are ignored.
 #[derive(Circuit)]
