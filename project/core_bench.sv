@@ -10,7 +10,8 @@ module edof_core_bench;
 @frames_svh@
     localparam [31:0] CONTROL_ADDRESS = 32'h@control_address@;
     localparam [31:0] CONTROL = 32'h@control@;
-    localparam WORDS = 1 << $clog2(PIXELS / 32);
+    localparam WORD_BITS = @word_bits@;
+    localparam WORDS = 1 << $clog2(PIXELS * 16 / WORD_BITS);
 
     // The clocks of memory and calculator; the camera's is so slow that both keep up, the screen's a little faster than the camera's.
     // A cycle of the slower of the first two is SLOWER units of time, whatever a simulator takes a unit for.
@@ -63,10 +64,10 @@ module edof_core_bench;
 
 @camera_svh@
     // Memory, writes: one burst at a time.
-    reg [511:0] memory [0:8*WORDS-1];
+    reg [WORD_BITS-1:0] memory [0:8*WORDS-1];
     wire aw_id, aw_valid, w_last, w_valid, b_ready;
     wire [31:0] aw_addr;
-    wire [511:0] w_data;
+    wire [WORD_BITS-1:0] w_data;
     reg writes = 1'b0;
     reg w_open = 1'b0;
     reg b_valid = 1'b0;
@@ -126,9 +127,9 @@ module edof_core_bench;
         end
     end
 
-    // The row of a byte address: buffers of 4 MiB; a frame uses the first WORDS words of its buffer.
+    // The row of a byte address: a frame uses the first WORDS words of its buffer.
     function [15:0] place(input [31:0] address);
-        place = address[24:22] * WORDS + address[21:6];
+        place = address / @buffer_bytes@ * WORDS + address % @buffer_bytes@ / (WORD_BITS / 8);
     endfunction
 
     wire screen_hs, screen_vs, screen_de;

@@ -47,6 +47,7 @@ axiram          scripts/test-axiram.sh
 fusesoc         scripts/test-fusesoc.sh
 parse           scripts/test-parse.sh
 route           scripts/test-route.sh
+ulx3s           scripts/test-ulx3s.sh
 litex           scripts/test-litex.sh
 litex-target    scripts/test-litex-target.sh
 peers           scripts/test-peers.sh

@@ -97,3 +97,31 @@ fn a_put_that_ctrl_c_ends_is_resumed_by_the_same_command() {
     assert!(resumed < blocks, "{sent}");
     board(&place, "picture compare raw.pgm --weights own.fixed.safetensors --size 320x240");
 }
+
+/// First light of the ULX3S by the commands for a board, all of it between the pins in Verilog.
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn the_ulx3s_is_tried_loaded_and_shows_golden_pictures() {
+    let place = Place::new();
+    for (name, seed) in [("own", 5), ("other", 6)] {
+        let line = format!("random-network --design ulx3s --seed {seed} --out {name}.fixed.safetensors");
+        place.edof(&line).done();
+    }
+    let _sim = Sim::start(
+        &place,
+        "--rtl --design ulx3s --size 32x24 --baud 7500000 --weights own.fixed.safetensors",
+    );
+    let said = board(&place, "selftest own.fixed.safetensors");
+    assert!(said.ends_with("every part that was tried works\n") && !said.contains("receiver"), "{said}");
+    board(&place, "load other.fixed.safetensors");
+    let said = board(&place, "check other.fixed.safetensors --frames 1");
+    assert!(said.ends_with("bit-exact on this board, at speed\n"), "{said}");
+    write_raw(&place, 32, 24);
+    board(&place, "picture put raw.pgm --size 32x24");
+    let said = board(&place, "picture compare raw.pgm --weights other.fixed.safetensors --size 32x24");
+    assert_eq!(said, "32x24 pixels: every boundary as the golden model's\n");
+    board(&place, "picture get whole.png --size 32x24");
+    place.edof("reconstruct raw.pgm --weights other.fixed.safetensors --board --out expected.png").done();
+    let pixels = |name: &str| photo::load(&place.path(name)).unwrap().planes;
+    assert!(pixels("whole.png") == pixels("expected.png"), "another picture came back");
+}

@@ -27,6 +27,7 @@ const FOLDERS: &[&str] = &[
 const GENERATED: &[&str] = &[
     "rtl/edof_core.v",
     "rtl/kc705_core.v",
+    "rtl/ulx3s_core.v",
     "constraints/crossings.xdc",
     "constraints/floorplan.xdc",
     "sim/bench.sv",

@@ -213,7 +213,10 @@ fn a_design_for_another_board_is_estimated_and_what_the_board_lacks_is_named() {
     place.edof("random-network --design open.json --out random.fixed.safetensors").done();
     let network = "--design open.json --weights random.fixed.safetensors";
     for (line, message) in [
-        (format!("generate {network} --out out"), "open.json: board ulx3s has no shell to write sources for"),
+        (
+            format!("generate {network} --out out"),
+            "frame 640x480: must be at most 10240 pixels, which a buffer holds",
+        ),
         (format!("generate {network} --out out --shell litex"), "board ulx3s has no shell 'litex'"),
         ("board sim --design open.json".to_owned(), "board ulx3s has no video input"),
         (

@@ -5,6 +5,7 @@ use edof_board::diagnosis::findings;
 use edof_board::line::Line;
 use edof_board::protocol::{HEADER, READ, WRITE};
 use edof_board::status::report;
+use edof_device::board::KC705;
 use edof_device::registers::map;
 use std::collections::{BTreeMap, VecDeque};
 use std::io;
@@ -111,7 +112,7 @@ pub fn run(bytes: &[u8]) {
     let stages = 2 + usize::from(stages % 12);
     let (before, after) = (board.look(stages), board.look(stages));
     if let (Ok(before), Ok(after)) = (before, after) {
-        let _ = findings(&after);
+        let _ = findings(&KC705, &after);
         let _ = report(&before, &after, 1.0, 100.0);
     }
 }

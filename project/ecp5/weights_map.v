@@ -1,6 +1,9 @@
 // Maps a weight memory of one port that reads and one that writes onto ECP5 block RAMs of 512 rows of 32 bits with their output registers: a read
 // takes two cycles, and the register that follows the memory is taken out (output_register.v). Blocks that lie under each other are
 // selected behind their registers. A read of a row in the cycle of its write is undefined.
+//
+// What comes in at DI[17:0] goes out at DO[35:18], and DI[35:18] at DO[17:0]: so Yosys connected this cell (techlibs/ecp5/brams_connect.py, bram_conn_36),
+// nextpnr takes DO[35:18] for DOA and DO[17:0] for DOB (ecp5/pack.cc), and Yosys' map of today has the low half at DOA (lattice/brams_map_16kd.v).
 module \$mem_v2 (RD_CLK, RD_EN, RD_ARST, RD_SRST, RD_ADDR, RD_DATA, WR_CLK, WR_EN, WR_ADDR, WR_DATA);
     parameter MEMID = "";
     parameter signed SIZE = 4;
@@ -101,18 +104,18 @@ module \$mem_v2 (RD_CLK, RD_EN, RD_ARST, RD_SRST, RD_ADDR, RD_DATA, WR_CLK, WR_E
                         .DI19(WR_DATA[32*half+19]), .DI20(WR_DATA[32*half+20]), .DI21(WR_DATA[32*half+21]), .DI22(WR_DATA[32*half+22]),
                         .DI23(WR_DATA[32*half+23]), .DI24(WR_DATA[32*half+24]), .DI25(WR_DATA[32*half+25]), .DI26(WR_DATA[32*half+26]),
                         .DI27(WR_DATA[32*half+27]), .DI28(WR_DATA[32*half+28]), .DI29(WR_DATA[32*half+29]), .DI30(WR_DATA[32*half+30]),
-                        .DI31(WR_DATA[32*half+31]), .DI32(1'b0), .DI33(1'b0), .DI34(1'b0), .DI35(1'b0), .DO0(found[block][32*half+0]),
-                        .DO1(found[block][32*half+1]), .DO2(found[block][32*half+2]), .DO3(found[block][32*half+3]),
-                        .DO4(found[block][32*half+4]), .DO5(found[block][32*half+5]), .DO6(found[block][32*half+6]),
-                        .DO7(found[block][32*half+7]), .DO8(found[block][32*half+8]), .DO9(found[block][32*half+9]),
-                        .DO10(found[block][32*half+10]), .DO11(found[block][32*half+11]), .DO12(found[block][32*half+12]),
-                        .DO13(found[block][32*half+13]), .DO14(found[block][32*half+14]), .DO15(found[block][32*half+15]),
-                        .DO16(found[block][32*half+16]), .DO17(found[block][32*half+17]), .DO18(found[block][32*half+18]),
-                        .DO19(found[block][32*half+19]), .DO20(found[block][32*half+20]), .DO21(found[block][32*half+21]),
-                        .DO22(found[block][32*half+22]), .DO23(found[block][32*half+23]), .DO24(found[block][32*half+24]),
-                        .DO25(found[block][32*half+25]), .DO26(found[block][32*half+26]), .DO27(found[block][32*half+27]),
-                        .DO28(found[block][32*half+28]), .DO29(found[block][32*half+29]), .DO30(found[block][32*half+30]),
-                        .DO31(found[block][32*half+31])
+                        .DI31(WR_DATA[32*half+31]), .DI32(1'b0), .DI33(1'b0), .DI34(1'b0), .DI35(1'b0), .DO18(found[block][32*half+0]),
+                        .DO19(found[block][32*half+1]), .DO20(found[block][32*half+2]), .DO21(found[block][32*half+3]),
+                        .DO22(found[block][32*half+4]), .DO23(found[block][32*half+5]), .DO24(found[block][32*half+6]),
+                        .DO25(found[block][32*half+7]), .DO26(found[block][32*half+8]), .DO27(found[block][32*half+9]),
+                        .DO28(found[block][32*half+10]), .DO29(found[block][32*half+11]), .DO30(found[block][32*half+12]),
+                        .DO31(found[block][32*half+13]), .DO32(found[block][32*half+14]), .DO33(found[block][32*half+15]),
+                        .DO34(found[block][32*half+16]), .DO35(found[block][32*half+17]), .DO0(found[block][32*half+18]),
+                        .DO1(found[block][32*half+19]), .DO2(found[block][32*half+20]), .DO3(found[block][32*half+21]),
+                        .DO4(found[block][32*half+22]), .DO5(found[block][32*half+23]), .DO6(found[block][32*half+24]),
+                        .DO7(found[block][32*half+25]), .DO8(found[block][32*half+26]), .DO9(found[block][32*half+27]),
+                        .DO10(found[block][32*half+28]), .DO11(found[block][32*half+29]), .DO12(found[block][32*half+30]),
+                        .DO13(found[block][32*half+31])
                     );
                 end
             end else begin : none

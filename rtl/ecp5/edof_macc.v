@@ -11,7 +11,6 @@ module edof_macc (
 );
     wire [17:0] weight = {{2{weight_i[15]}}, weight_i};
     wire [17:0] value = value_i[17:0];
-    wire unused = &{1'b0, value_i[24:18]};
     wire [35:0] product;
     MULT18X18D #(
         .REG_INPUTA_CLK("CLK0"), .REG_INPUTA_CE("CE0"), .REG_INPUTA_RST("RST0"),
@@ -40,6 +39,7 @@ module edof_macc (
     wire [47:0] added = {{12{product[35]}}, product};
     wire [47:0] next;
     wire [24:0] carry;
+    wire unused = &{1'b0, value_i[24:18], carry[24]};
     assign carry[0] = 1'b0;
     genvar i;
     generate

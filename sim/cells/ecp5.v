@@ -1,5 +1,8 @@
 // Functional models of ECP5 cells that Yosys has as empty modules alone: what is instantiated here, and nothing more. A use that they do not model
-// stops the simulation. Sources: FPGA-TN-02205 (multipliers), FPGA-TN-02204 (memories: PDPW16KD, table of its ports).
+// stops the simulation. Sources: FPGA-TN-02205 (multipliers), FPGA-TN-02204 (memories: PDPW16KD); for which half of a word is at which output, Yosys
+// (techlibs/ecp5/brams_connect.py, bram_conn_36; lattice/brams_map_16kd.v) and nextpnr (ecp5/pack.cc).
+// verilator lint_off DECLFILENAME
+// verilator lint_off UNUSEDPARAM
 
 // 18 x 18 bits, signed, with registers at both inputs and at the output.
 module MULT18X18D (
@@ -80,7 +83,9 @@ module PDPW16KD (
     wire [8:0] write_row = {ADW8, ADW7, ADW6, ADW5, ADW4, ADW3, ADW2, ADW1, ADW0};
     wire [8:0] read_row = {ADR13, ADR12, ADR11, ADR10, ADR9, ADR8, ADR7, ADR6, ADR5};
     reg [35:0] read_q, out_q;
-    assign {DO35, DO34, DO33, DO32, DO31, DO30, DO29, DO28, DO27, DO26, DO25, DO24, DO23, DO22, DO21, DO20, DO19, DO18, DO17, DO16, DO15, DO14, DO13, DO12, DO11, DO10, DO9, DO8, DO7, DO6, DO5, DO4, DO3, DO2, DO1, DO0} = (REGMODE == "OUTREG") ? out_q : read_q;
+    // The halves of a word that is read are the other way round than of one that is written.
+    assign {DO17, DO16, DO15, DO14, DO13, DO12, DO11, DO10, DO9, DO8, DO7, DO6, DO5, DO4, DO3, DO2, DO1, DO0,
+        DO35, DO34, DO33, DO32, DO31, DO30, DO29, DO28, DO27, DO26, DO25, DO24, DO23, DO22, DO21, DO20, DO19, DO18} = (REGMODE == "OUTREG") ? out_q : read_q;
     always @(posedge CLKW) if (CEW) words[write_row] <= {DI35, DI34, DI33, DI32, DI31, DI30, DI29, DI28, DI27, DI26, DI25, DI24, DI23, DI22, DI21, DI20, DI19, DI18, DI17, DI16, DI15, DI14, DI13, DI12, DI11, DI10, DI9, DI8, DI7, DI6, DI5, DI4, DI3, DI2, DI1, DI0};
     always @(posedge CLKR) begin
         read_q <= words[read_row];

@@ -1,6 +1,7 @@
 //! How the video chips are, in words: what each of them waits for, or that it works.
 
 use crate::status::StatusSnapshot;
+use edof_device::board::Board;
 use edof_device::i2c::{self, Cause};
 use edof_device::video::VideoTiming;
 use serde::Serialize;
@@ -29,9 +30,12 @@ const COLOUR_SPACES: [&str; 9] = [
     "another colour space",
 ];
 
-/// All chips, in the order in which a picture passes them.
+/// All chips of a board with video, in the order in which a picture passes them; none of a board without.
 #[must_use]
-pub fn findings(look: &StatusSnapshot) -> Vec<Finding> {
+pub fn findings(board: &Board, look: &StatusSnapshot) -> Vec<Finding> {
+    if board.video_in.is_none() {
+        return vec![];
+    }
     let finding = |about, result: Result<String, String>| {
         let is_good = result.is_ok();
         Finding { about, is_good, text: result.unwrap_or_else(|missing| missing) }

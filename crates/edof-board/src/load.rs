@@ -2,7 +2,8 @@
 //!
 //! A load writes a bank that is not in use, has the circuit make a CRC of every part of it, writes what is wrong once more, and has frames
 //! made with it only when all is right. What is in use takes no words meanwhile (`protection`), nor does the new bank while it is checked. What is
-//! in use is looked at before and after. A reset of the board, or a word that went astray, is seen, and what it changed is put back.
+//! in use is looked at before and after. A reset of the board, or a word that went astray, is seen, and what it changed is put back. A design with one
+//! set of weights has no other bank: it makes no frames until its own is right.
 
 use crate::board::{Board, SKIP_ROW, bank_of, control_bit};
 use crate::contents::{Part, frames, letter, other, parts, table_parts};
@@ -110,6 +111,15 @@ fn mark(hash: u32) -> u32 {
     hash | 1
 }
 
+/// Returns the bank that a load writes: the given one, else the one that is not in use; of a design with one set the first.
+#[must_use]
+pub fn target(design: &Design, given: Option<Set>, in_use: Set) -> Set {
+    match design.sets() {
+        [only] => *only,
+        _ => given.unwrap_or(other(in_use)),
+    }
+}
+
 impl<L: Line> Board<L> {
     /// Loads a network.
     ///
@@ -123,21 +133,30 @@ impl<L: Line> Board<L> {
         self.link.set_checked(PROTECTION, PROTECTED)?;
         let registers = self.link.read(WEIGHTS_HASH, 3)?;
         let in_use = bank_of(registers[1]);
-        let target = job.bank.unwrap_or(other(in_use));
+        let is_alone = job.design.sets().len() == 1;
+        let target = target(job.design, job.bank, in_use);
         let hash = weights_hash(job.design, job.network);
-        if target == in_use {
-            // The other bank's pictures until this one's are right.
-            self.change_control(WEIGHT_SET, control_bit(other(in_use)))?;
+        if is_alone {
+            // No frame is made meanwhile, and its words are those of no bank in use.
+            self.change_control(WEIGHT_SET | RUN | FLUSH, control_bit(other(target)) | FLUSH)?;
+        } else {
+            if target == in_use {
+                // The other bank's pictures until this one's are right.
+                self.change_control(WEIGHT_SET, control_bit(other(in_use)))?;
+            }
+            self.wait_for(other(target))?;
         }
-        self.wait_for(other(target))?;
         let kept = self.keep(job, other(target))?;
+        // A load that was interrupted left the bit that drops frames.
+        let runs = if registers[1] & (RUN | FLUSH) == 0 { 0 } else { RUN };
+        let then = if is_alone { (kept.control & !FLUSH) | runs } else { kept.control };
         self.link.set(SCRATCH, mark(hash))?;
-        let switches = job.bank.is_none() || target == in_use;
+        let switches = is_alone || job.bank.is_none() || target == in_use;
         let mut recovered = false;
         for _ in 0..ROUNDS {
             let mut loaded = self.fill(job, target, &kept, hash, progress)?;
             if switches {
-                self.switch_from(kept.control, target, hash)?;
+                self.switch_from(then, target, hash)?;
             }
             if self.link.read(SCRATCH, 1)? == [mark(hash)] {
                 self.link.set_checked(PROTECTION, PROTECTED)?;

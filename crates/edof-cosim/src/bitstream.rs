@@ -6,7 +6,7 @@ use edof_core::draw::Draw;
 use edof_core::number::{InputWord, OutputWord};
 use edof_core::storage::folder::{self, Contents, FolderError};
 use edof_device::Design;
-use edof_device::board::{Board, Shell};
+use edof_device::board::{BOARDS, Board, Shell};
 use edof_device::design::DesignError;
 use edof_golden::display::Display;
 use edof_golden::scalar;
@@ -24,21 +24,15 @@ const TRIED: usize = 12;
 /// Steps of making sources.
 const STEPS: usize = 4;
 
-/// Folders and files that a generated directory consists of.
-const PARTS: [&str; 17] = [
+/// Folders and files of a generated directory beside those of its shell.
+const PARTS: [&str; 11] = [
     "rtl",
     "mem",
     "sim",
     "constraints",
-    "litex",
     "files.f",
     folder::MANIFEST,
-    "Makefile",
-    "README.md",
-    "build.tcl",
-    "reports.tcl",
     "lint.vlt",
-    "edof.core",
     "registers.md",
     "registers.rdl",
     "registers.h",
@@ -134,7 +128,10 @@ impl Sources {
     /// Whether the sources of some design may have a file of that path.
     #[must_use]
     pub fn may_have(path: &Path) -> bool {
-        path.components().next().is_some_and(|part| PARTS.iter().any(|known| part.as_os_str() == *known))
+        let shells = BOARDS.iter().flat_map(|board| board.shells);
+        let files = shells.flat_map(|shell| shell.files.iter().copied().flatten()).map(|(path, _)| *path);
+        let first = |path: &Path| path.components().next().map(|part| part.as_os_str().to_owned());
+        PARTS.into_iter().chain(files).any(|known| first(Path::new(known)) == first(path))
     }
 
     /// Writes them; gives the manifest.

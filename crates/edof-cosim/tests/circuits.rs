@@ -2,6 +2,7 @@
 
 mod agent_resets;
 mod agents;
+mod axi_ram;
 mod blocks;
 mod board;
 mod board_blocks;
@@ -25,6 +26,7 @@ mod embedded_syncs;
 mod emitted;
 mod expressions;
 mod faulty_boards;
+mod first_light;
 mod frame_checks;
 mod full_frame;
 mod full_width;
@@ -56,6 +58,7 @@ mod testbench;
 mod timing;
 mod top;
 mod trees;
+mod ulx3s;
 mod unknown_start;
 mod verilator;
 mod video;

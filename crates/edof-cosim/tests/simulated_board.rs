@@ -282,7 +282,8 @@ fn the_receiver_is_set_up_and_aligned<K: Kind>(mut board: K, seeds: std::ops::Ra
     board.card().faults().remove(0x4c);
     wait(&mut board, "status.i2c_failed", 1);
     let look = open(&mut board).look(2).unwrap();
-    let of_receiver = findings(&look).into_iter().find(|finding| finding.about == "receiver").unwrap();
+    let of_receiver =
+        findings(&KC705, &look).into_iter().find(|finding| finding.about == "receiver").unwrap();
     assert!(
         !of_receiver.is_good && of_receiver.text.contains("chip 0x4c does not acknowledge"),
         "{of_receiver:?}"

@@ -6,6 +6,7 @@ use edof_core::DisplayMode;
 use edof_core::cable;
 use edof_core::display::{BLACK, CHROMA_ZERO};
 use edof_core::number::{Fixed, InputWord, OutputWord};
+use edof_device::board::Memory;
 use edof_device::design::FrameSize;
 use edof_device::registers::map;
 use edof_device::video::VideoTiming;
@@ -48,6 +49,8 @@ pub struct RecordedVideo {
     pub mode: DisplayMode,
     /// Cycles of the slower of memory and calculator in which the core has done with one.
     pub cycles: usize,
+    /// The memory.
+    pub memory: Memory,
     /// The memory's clock in kilohertz.
     pub core_khz: u64,
     /// The calculator's clock in kilohertz.
@@ -194,6 +197,8 @@ pub(crate) fn with_numbers(text: &str, recorded: &RecordedVideo) -> String {
         ("@frame_sync@", timing.frame.sync),
         ("@frame_back@", timing.frame.back),
         ("@cycles@", recorded.cycles),
+        ("@word_bits@", recorded.memory.word_bits),
+        ("@buffer_bytes@", recorded.memory.buffer_bytes as usize),
         ("@core_units@", CORE_UNITS as usize),
         ("@calculator_units@", (CORE_UNITS * recorded.core_khz / recorded.calculator_khz) as usize),
     ];

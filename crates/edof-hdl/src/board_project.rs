@@ -43,7 +43,7 @@ pub fn project(
         let images = project::images(design, sets).into_iter().chain(tables.images(design)).collect();
         let core = project::of_circuit(&mut *top, images)?.on_part(&design.board.part);
         let benches = benches::files(&core, &calculator, &tried, recorded);
-        let mut files = made_files(design, &core)?;
+        let mut files = made_files(design, shell, &core)?;
         files.extend(shell.files.concat().iter().map(|(path, text)| {
             let text = benches::with_numbers(&lists(text, &core, &benches), &recorded.video);
             let filled =
@@ -55,8 +55,8 @@ pub fn project(
     })
 }
 
-/// Files that follow from the design.
-fn made_files(design: &Design, core: &Project) -> Result<Vec<(String, String)>, ProjectError> {
+/// Files that follow from the design; constraints in Vivado's language for a shell that has such files.
+fn made_files(design: &Design, shell: &Shell, core: &Project) -> Result<Vec<(String, String)>, ProjectError> {
     let clocks = design.clocks()?;
     let pixel = clocks.screen.map(MadeClock::period_ns);
     let periods = [
@@ -72,15 +72,25 @@ fn made_files(design: &Design, core: &Project) -> Result<Vec<(String, String)>, 
         .part
         .columns
         .map(|columns| ("constraints/floorplan.xdc", floorplan::lines(design, columns, "core/core")));
+    let is_xdc = |(path, _): &(&str, &str)| path.ends_with(".xdc");
+    let crossings = shell
+        .files
+        .iter()
+        .any(|files| files.iter().any(is_xdc))
+        .then(|| ("constraints/crossings.xdc", constraints::lines(&core.crossings, "core", &periods)));
     let made = [
-        ("constraints/crossings.xdc", constraints::lines(&core.crossings, "core", &periods)),
         ("source_map.json", core.source_map()),
         ("registers.md", markdown::page()),
         ("registers.h", c_header::header()),
         ("registers.rdl", systemrdl::address_map()),
         ("lint.vlt", include_str!("../../../rtl/waivers.vlt").to_string()),
     ];
-    Ok(made.into_iter().chain(floorplan).map(|(path, text)| (path.to_string(), text)).collect())
+    Ok(crossings
+        .into_iter()
+        .chain(made)
+        .chain(floorplan)
+        .map(|(path, text)| (path.to_string(), text))
+        .collect())
 }
 
 /// Period of the clock of memory and host.
@@ -92,14 +102,14 @@ fn core_period_ns(board: &Board) -> f64 {
 fn numbers(design: &Design) -> Result<Vec<(String, String)>, ProjectError> {
     let (clocks, board) = (design.clocks()?, design.board);
     let mut numbers = vec![
-        ("core_mhz".to_owned(), mhz(board.core_khz.into())),
-        ("core_period".to_owned(), format!("{:.3}", core_period_ns(board))),
         ("baud".to_owned(), board.baud.to_string()),
         ("burst_words".to_owned(), board.memory.burst_words.to_string()),
     ];
-    numbers.extend(figures("calculator", clocks.calculator));
+    numbers.extend(figures(board, "calculator", clocks.calculator));
+    numbers
+        .extend(board.clock(board.core_khz.into()).into_iter().flat_map(|core| figures(board, "core", core)));
     if let Some(screen) = clocks.screen {
-        numbers.extend(figures("screen", screen));
+        numbers.extend(figures(board, "screen", screen));
         if let Some(input) = &board.video_in {
             let [earliest, latest] = (input.delays_ns)(screen.period_ns());
             numbers.push(("input_delay_max".to_owned(), format!("{latest:.3}")));
@@ -113,15 +123,20 @@ fn mhz(khz: u64) -> String {
     (khz as f64 / 1e3).to_string()
 }
 
-/// The figures of a clock that a PLL makes.
-fn figures(name: &str, MadeClock { khz, settings }: MadeClock) -> [(String, String); 5] {
-    let eighths = |eighths: u64| format!("{:.3}", eighths as f64 / 8.0);
+/// The figures of a clock that a board's PLL makes, as the vendor's cell has them: whole, or with three digits where a PLL has eighths.
+fn figures(board: &Board, name: &str, MadeClock { khz, settings }: MadeClock) -> [(String, String); 6] {
+    let is_whole = board.clocks.pll.step_eighths == 8;
+    let eighths = |eighths: u64| match is_whole {
+        true => (eighths / 8).to_string(),
+        false => format!("{:.3}", eighths as f64 / 8.0),
+    };
     [
         ("mhz", mhz(khz)),
         ("period", format!("{:.3}", 1e6 / khz as f64)),
         ("divide", settings.divide.to_string()),
         ("multiply", eighths(settings.multiply_eighths)),
         ("output", eighths(settings.output_eighths)),
+        ("feedback", (settings.multiply_eighths / settings.output_eighths).to_string()),
     ]
     .map(|(figure, number)| (format!("{name}_{figure}"), number))
 }

@@ -1,9 +1,8 @@
 //! The circuits of each board: a board whose sources can be written has a line in `CIRCUITS`.
 
-use crate::board::kc705_core::{S, W};
-use crate::board::{EdofCore, Identity, Kc705Core, Pace, Tables};
+use crate::board::{EdofCore, Identity, Kc705Core, Pace, Tables, Ulx3sCore, kc705_core, ulx3s_core};
 use crate::describe::Circuit;
-use edof_device::board::{Board, KC705};
+use edof_device::board::{Board, KC705, ULX3S};
 use edof_device::design::{Design, DesignError};
 use edof_network::FixedNetwork;
 
@@ -19,15 +18,28 @@ pub struct Circuits {
     pub top: Make,
 }
 
-const CIRCUITS: [Circuits; 1] = [Circuits {
-    board: &KC705,
-    core: |design, sets, identity, tables| {
-        Ok(Box::new(EdofCore::<W, S>::new(design, sets, identity, tables)?))
+const CIRCUITS: [Circuits; 2] = [
+    Circuits {
+        board: &KC705,
+        core: |design, sets, identity, tables| {
+            let core = EdofCore::<{ kc705_core::W }, { kc705_core::S }>::new(design, sets, identity, tables)?;
+            Ok(Box::new(core))
+        },
+        top: |design, sets, identity, tables| {
+            Ok(Box::new(Kc705Core::new(design, sets, identity, tables, &Pace::of(&KC705))?))
+        },
     },
-    top: |design, sets, identity, tables| {
-        Ok(Box::new(Kc705Core::new(design, sets, identity, tables, &Pace::of(&KC705))?))
+    Circuits {
+        board: &ULX3S,
+        core: |design, sets, identity, tables| {
+            let core = EdofCore::<{ ulx3s_core::W }, { ulx3s_core::S }>::new(design, sets, identity, tables)?;
+            Ok(Box::new(core))
+        },
+        top: |design, sets, identity, tables| {
+            Ok(Box::new(Ulx3sCore::new(design, sets, identity, tables, &Pace::of(&ULX3S))?))
+        },
     },
-}];
+];
 
 /// Returns the circuits of a board.
 ///

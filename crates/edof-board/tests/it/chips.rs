@@ -7,6 +7,7 @@ use edof_board::chips::{Bus, ChipRegister};
 use edof_board::diagnosis::findings;
 use edof_board::{Error, Simulated};
 use edof_device::Design;
+use edof_device::board::KC705;
 use std::ops::ControlFlow;
 use std::sync::LazyLock;
 
@@ -31,7 +32,7 @@ fn simulated() -> Simulated {
 fn told(simulated: &mut Simulated, about: &str) -> (bool, String) {
     simulated.pass_to(simulated.now() + 3 * SECOND);
     let look = open(simulated).look(4).unwrap();
-    let finding = findings(&look).into_iter().find(|finding| finding.about == about).unwrap();
+    let finding = findings(&KC705, &look).into_iter().find(|finding| finding.about == about).unwrap();
     (finding.is_good, finding.text)
 }
 

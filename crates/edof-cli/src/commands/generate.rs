@@ -12,14 +12,15 @@ use edof_cosim::bitstream::{self, Sources};
 use edof_device::board::BOARDS;
 use std::path::PathBuf;
 
-/// Write the sources of a KC705 bitstream: a design, and a network in its memories
+/// Write the sources of a bitstream: a design, and a network in its memories
 ///
-/// Writes Verilog, memory images, constraints, and a build.tcl for Vivado. Also writes a Makefile and a FuseSoC core with test benches (for
-/// Verilator or Icarus), the register map, and a README. The folder is self-contained; its manifest lists the SHA-256 of
+/// Writes Verilog, memory images, constraints, test benches, the register map, a README, and what the tools of the design's board read: for
+/// the KC705 a build.tcl for Vivado, a Makefile and a FuseSoC core, for the ULX3S a Makefile for Yosys and nextpnr. The folder is self-contained; its manifest lists the SHA-256 of
 /// every file. The same design and network give the same bytes.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof generate --design paper --weights paper-t4 --out build/paper
+  edof generate --design ulx3s --weights mine.fixed.safetensors --out build/ulx3s
   edof generate --design my-design.json --weights mine.fixed.safetensors --out build/mine --json
   edof generate --design kc705 --weights edof-t4w12-outer --shell litex --out build/litex")]
 pub struct Args {

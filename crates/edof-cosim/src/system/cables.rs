@@ -2,7 +2,8 @@
 //! which hangs a source, at the other a screen. As a board it has a serial line, so that any host of `edof-board` talks to it.
 
 use super::pictures::TableWords;
-use crate::bench::{Actor, Behaviour, Bench, ClockId, Memory, Serial};
+use super::uart::Terminal;
+use crate::bench::{Actor, Behaviour, Bench, ClockId, Memory};
 use crate::chain::verilated::write_images;
 use crate::verilator::{Library, Model, Options, Start};
 use crate::{Error, Source, work};
@@ -147,31 +148,6 @@ impl Actor for Outlet {
     }
 }
 
-/// The serial line's far end.
-struct Terminal {
-    clock: ClockId,
-    receive: usize,
-    transmit: usize,
-    serial: Serial,
-}
-
-impl Actor for Terminal {
-    fn clock(&self) -> ClockId {
-        self.clock
-    }
-
-    fn before(&mut self, model: &mut Model) -> Result<(), Error> {
-        let level = model.peek(self.transmit)? == 1;
-        self.serial.see(level);
-        Ok(())
-    }
-
-    fn after(&mut self, model: &mut Model) -> Result<(), Error> {
-        let level = self.serial.level();
-        model.poke(self.receive, level.into())
-    }
-}
-
 /// A core that runs between two cables.
 pub struct Cables {
     bench: Bench,
@@ -210,7 +186,6 @@ impl Cables {
         let bus = |signal| source.signal("screen", signal);
         let ports = [bus("hs")?, bus("vs")?, bus("de")?, bus("data")?];
         let bundles = (Some("dram_write"), Some("dram_read"));
-        let (receive, transmit) = (source.port("uart_receive_i")?, source.port("uart_transmit_o")?);
         let mut cables = Self {
             input,
             buses: (
@@ -220,7 +195,7 @@ impl Cables {
             inlet: Inlet { clock: input, data: source.port("input_data_i")?, card: Rc::clone(&card) },
             outlet: Outlet { clock: screen, ports, board: Rc::clone(&board) },
             memory: Memory::new(source, bundles, core, ("dram_ready_i", 0), Behaviour::hard(seed), seed)?,
-            terminal: Terminal { clock: core, receive, transmit, serial: Serial::new(PACE.cycles_per_bit) },
+            terminal: Terminal::new(source, core, PACE.cycles_per_bit)?,
             bench,
             board,
             card,

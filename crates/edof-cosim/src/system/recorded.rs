@@ -45,6 +45,7 @@ pub fn video(
         pictures,
         mode,
         cycles: brisk(design),
+        memory: design.board.memory,
         core_khz: design.board.core_khz.into(),
         calculator_khz: (1e3 * design.clock_mhz).round() as u64,
     }

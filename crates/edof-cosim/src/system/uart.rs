@@ -1,4 +1,4 @@
-//! The serial line of a core: the Verilated `uart_bus` at its host's port, and a terminal at the pins of that.
+//! The serial line of a core: the Verilated `uart_bus` at its host's port, and a terminal at the pins of that, or at the core's own.
 
 use crate::bench::{Actor, ClockId, Serial};
 use crate::verilator::{Library, Model, Options, Start};
@@ -118,5 +118,39 @@ impl Actor for Uart {
             self.last = Some(driven);
         }
         Ok(())
+    }
+}
+
+/// A terminal at the pins of a core that has its own serial line.
+pub(super) struct Terminal {
+    clock: ClockId,
+    receive: usize,
+    transmit: usize,
+    pub(super) serial: Serial,
+}
+
+impl Terminal {
+    /// # Errors
+    /// The core has no such pins.
+    pub(super) fn new(core: &Source, clock: ClockId, cycles_per_bit: u16) -> Result<Self, Error> {
+        let (receive, transmit) = (core.port("uart_receive_i")?, core.port("uart_transmit_o")?);
+        Ok(Self { clock, receive, transmit, serial: Serial::new(cycles_per_bit) })
+    }
+}
+
+impl Actor for Terminal {
+    fn clock(&self) -> ClockId {
+        self.clock
+    }
+
+    fn before(&mut self, model: &mut Model) -> Result<(), Error> {
+        let level = model.peek(self.transmit)? == 1;
+        self.serial.see(level);
+        Ok(())
+    }
+
+    fn after(&mut self, model: &mut Model) -> Result<(), Error> {
+        let level = self.serial.level();
+        model.poke(self.receive, level.into())
     }
 }

@@ -44,6 +44,12 @@ impl Memory {
         self.word_bits / 16
     }
 
+    /// Returns the words from address 0 to the end of the last buffer.
+    #[must_use]
+    pub const fn words(&self) -> usize {
+        (self.picture_buffers[2] + self.buffer_bytes) as usize / (self.word_bits / 8)
+    }
+
     /// Returns the words that an agent holds, in LUT RAM: a pixel a cycle at most.
     #[must_use]
     pub const fn agent_words(&self) -> usize {

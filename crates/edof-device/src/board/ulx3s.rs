@@ -1,27 +1,65 @@
-//! The ULX3S: Lattice LFE5U-85F-6 and 32 MB of SDRAM ×16, for open tools. As yet a part to estimate designs for, and to place and route their
-//! calculator (`scripts/route.sh`): the board has neither video nor sources.
+//! The ULX3S: Lattice LFE5U-85F-6 and an FT231X, for open tools from Verilog to the bitstream. First light: frames come and go over the serial line, and
+//! lie in block RAM; the board's SDRAM, its video output and a camera are not used.
 //!
 //! Sources: FPGA-DS-02012 (cells, limits of the PLL), FPGA-TN-02200 (its dividers; feedback from the output), ULX3S manual (25 MHz, FT231X).
 
 use super::memory::Memory;
 use super::part::{BlockMemory, Multiplier, Part, ReadsTwice, Resources};
 use super::pll::Pll;
-use super::{Board, ClockMaker};
+use super::{Board, ClockMaker, Shell};
 
 /// The ULX3S.
 pub const ULX3S: Board = Board {
     name: "ulx3s",
     part: LFE5U_85F,
-    core_khz: 100_000,
+    core_khz: 60_000,
     clocks: ClockMaker { source_khz: 25_000, pll: EHXPLLL },
-    // Planned: bursts of 512 bytes take 256 cycles at 16 bits; four of them, refreshes, and as much again.
-    memory: Memory { burst_words: 32, ..Memory::of_port(128, 2_100) },
+    memory: BLOCK_RAM,
     sets: &[1, 2],
-    baud: 921_600,
+    // The most that the FT231X has; a bit is 20 cycles.
+    baud: 3_000_000,
     video_in: None,
     video_out: None,
-    shells: &[],
+    shells: &[Shell {
+        name: "block-ram",
+        about: "Frames in block RAM, a serial line for the host; Yosys and nextpnr",
+        top: "ulx3s_top",
+        files: &[&BOARD_FILES, &BUILD_FILES],
+    }],
 };
+
+/// Bytes of a buffer: 10,240 pixels.
+const BUFFER: u32 = 20 << 10;
+
+/// Six buffers in 128 KiB of block RAM, which 64 blocks have: each holds two bits of every word, so that nothing is selected.
+const BLOCK_RAM: Memory = Memory {
+    word_bits: 128,
+    burst_words: 32,
+    max_burst_cycles: 48,
+    buffer_bytes: BUFFER,
+    raw_buffers: [0, BUFFER, 2 * BUFFER],
+    picture_buffers: [3 * BUFFER, 4 * BUFFER, 5 * BUFFER],
+};
+
+/// Pins, and the top.
+const BOARD_FILES: [(&str, &str); 3] = [
+    ("ulx3s.lpf", include_str!("../../../../project/ulx3s/ulx3s.lpf")),
+    ("rtl/ulx3s_top.v", include_str!("../../../../rtl/ulx3s_top.v")),
+    ("rtl/edof_debounce.v", include_str!("../../../../rtl/edof_debounce.v")),
+];
+
+/// How the project is built.
+const BUILD_FILES: [(&str, &str); 9] = [
+    ("Makefile", include_str!("../../../../project/ulx3s/Makefile")),
+    ("README.md", include_str!("../../../../project/ulx3s/README.md")),
+    ("requirements.txt", include_str!("../../../../tests/route/requirements.txt")),
+    ("synth.ys", include_str!("../../../../project/ecp5/synth.ys")),
+    ("weights_map.v", include_str!("../../../../project/ecp5/weights_map.v")),
+    ("output_register.v", include_str!("../../../../project/ecp5/output_register.v")),
+    ("report.py", include_str!("../../../../project/ecp5/report.py")),
+    ("sim/block_cells.v", include_str!("../../../../sim/cells/ecp5.v")),
+    ("sim/carry_cells.v", include_str!("../../../../sim/cells/ecp5_carry.v")),
+];
 
 /// ECP5 85k, speed grade 6.
 const LFE5U_85F: Part = Part {

@@ -175,7 +175,6 @@ impl<const W: usize, const S: usize> EdofCore<W, S> {
         tables: &Tables,
     ) -> Result<Self, DesignError> {
         design.check_board()?;
-        design.video()?;
         let memory = &design.board.memory;
         let timing = VideoTiming::of_frame(design.frame);
         let frames = |buffers| Frames {

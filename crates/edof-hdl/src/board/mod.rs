@@ -6,6 +6,7 @@
 //! | [`read_agent`] | the newest complete frame buffer as a stream of pixels |
 //! | [`axi_pair`] | two agents each way on one memory |
 //! | [`axi_guard`] | completes what is in flight when they are reset |
+//! | [`axi_ram`] | a memory of block RAM |
 //! | [`clock_watch`] | whether a clock runs |
 //! | [`cycle_count`] | cycles of a clock |
 //! | [`registers`] | what the host sees and sets |
@@ -22,7 +23,7 @@
 //! | [`embedded_syncs`] | syncs that come inside of the pixels |
 //! | [`tables`] | what the display and the set-ups of chips start with |
 //! | [`edof_core`] | all of it, for any board |
-//! | [`kc705_core`] | and what the KC705 has around it |
+//! | [`kc705_core`], [`ulx3s_core`] | and what the KC705 and the ULX3S have around it |
 //! | [`blocks`] | the blocks of the core, and how long their paths may be |
 //!
 //! The two agents of a set of buffers tell each other which buffer is whose: the writer says which is the newest complete one, the
@@ -30,6 +31,7 @@
 
 pub mod axi_guard;
 pub mod axi_pair;
+pub mod axi_ram;
 pub mod bank_guard;
 pub mod blocks;
 pub mod calculator_port;
@@ -52,10 +54,12 @@ pub mod tables;
 pub mod uart_bus;
 pub mod uart_receiver;
 pub mod uart_sender;
+pub mod ulx3s_core;
 pub mod write_agent;
 
 pub use axi_guard::AxiGuard;
 pub use axi_pair::AxiPair;
+pub use axi_ram::AxiRam;
 pub use bank_guard::BankGuard;
 pub use calculator_port::CalculatorPort;
 pub use chip_setup::ChipSetup;
@@ -77,6 +81,7 @@ pub use tables::Tables;
 pub use uart_bus::UartBus;
 pub use uart_receiver::UartReceiver;
 pub use uart_sender::UartSender;
+pub use ulx3s_core::Ulx3sCore;
 pub use write_agent::WriteAgent;
 
 use rust_hdl::prelude::Bits;

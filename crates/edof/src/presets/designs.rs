@@ -8,11 +8,12 @@ use edof_network::FixedNetwork;
 use std::path::Path;
 
 /// The designs inside the program.
-const EMBEDDED: [(&str, &str); 4] = [
+const EMBEDDED: [(&str, &str); 5] = [
     ("tiny", include_str!("../../../../designs/tiny.json")),
     ("paper", include_str!("../../../../designs/paper.json")),
     ("kc705", include_str!("../../../../designs/kc705.json")),
     ("kc705-slow", include_str!("../../../../designs/kc705-slow.json")),
+    ("ulx3s", include_str!("../../../../designs/ulx3s.json")),
 ];
 
 /// Loads a design by file, or by name.

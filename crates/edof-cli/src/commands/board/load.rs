@@ -5,8 +5,8 @@ use crate::error::Error;
 use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
-use edof_board::contents::{letter, other, parts};
-use edof_board::load::Job;
+use edof_board::contents::{letter, parts};
+use edof_board::load::{Job, target};
 use edof_board::{Board, Serial, dry_run};
 use edof_core::{DisplayMode, Tone};
 use edof_device::Design;
@@ -134,7 +134,7 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
     if load.dry_run && args.port.is_none() {
         let design = args.named_design()?;
         let design = design.ok_or_else(|| Error::message("--dry-run: without --port it needs --design"))?;
-        let bank = load.bank.unwrap_or(Set::Second);
+        let bank = target(&design, load.bank, Set::First);
         return plan(args, load, &job(&design, &[]), bank, None, ui);
     }
     let mut board = args.open()?;
@@ -143,7 +143,7 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
     let known = known(&design, &[]);
     let job = job(&design, &known);
     if load.dry_run {
-        let bank = load.bank.unwrap_or(other(board.bank()?));
+        let bank = target(&design, load.bank, board.bank()?);
         let wanted = parts(&design, &network, bank);
         let held = board.crcs(&wanted.iter().collect::<Vec<_>>()).map_err(of)?;
         return plan(args, load, &job, bank, Some(&held), ui);

@@ -12,7 +12,7 @@ use crate::weights;
 use edof_board::Simulated;
 use edof_board::terminal::{Device, InRust, Terminal};
 use edof_core::RawFrame;
-use edof_cosim::system::{Speed, VerilogBoard};
+use edof_cosim::system::{FirstLight, Speed, VerilogBoard};
 use edof_cosim::verilator::Options;
 use edof_device::Design;
 use edof_device::design::FrameSize;
@@ -99,8 +99,11 @@ pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
         let with = (Speed::of(design.board, args.baud)?, 1);
         ui.note("compiling the design with Verilator");
         let options = Options { cache: Options::user_cache(), ..Options::default() };
-        let board = VerilogBoard::new(&design, [&network; 2], &display, &raw, with, &options);
-        Box::new(board?)
+        if design.board.video_in.is_none() {
+            Box::new(FirstLight::new(&design, [&network; 2], &display, with, &options)?)
+        } else {
+            Box::new(VerilogBoard::new(&design, [&network; 2], &display, &raw, with, &options)?)
+        }
     } else {
         let board = Simulated::new(&design, [&network; 2], &display, raw, args.baud)?;
         Box::new(InRust::new(board, args.baud))

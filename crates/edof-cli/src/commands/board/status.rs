@@ -55,7 +55,7 @@ pub fn run(args: &super::Args, status: &Args, ui: &Ui) -> Result<(), Error> {
             // The screen anew, from its corner.
             ui.say("\x1b[2J\x1b[H")?;
         }
-        let chips = findings(&after);
+        let chips = findings(design.board, &after);
         lines(&after, &told, design.clock_mhz)
             .iter()
             .chain(&chip_lines(&chips))

@@ -1,0 +1,229 @@
+//! The ULX3S in Verilator, of which a host sees a serial line and nothing else: everything between its pins is simulated, the memory of frames
+//! too.
+
+use super::board::Speed;
+use super::pictures::TableWords;
+use super::uart::Terminal;
+use crate::bench::Bench;
+use crate::chain::verilated::write_images;
+use crate::verilator::{Library, Options, Start};
+use crate::{Source, work};
+use edof_board::Error;
+use edof_board::faulty::Resettable;
+use edof_board::line::{BITS_PER_BYTE, Line, line_time};
+use edof_board::terminal::Device;
+use edof_device::Design;
+use edof_golden::Display;
+use edof_golden::video::figures::Periods;
+use edof_hdl::board::{Identity, Pace, Ulx3sCore};
+use edof_hdl::project::{Project, ProjectError, images, of_circuit, spacious};
+use edof_network::FixedNetwork;
+use std::io;
+use std::time::Duration;
+
+/// Edges of reset, between two looks at what came, and between two looks at a pseudo-terminal.
+const RESET: usize = 400;
+const AT_ONCE: usize = 64;
+const BETWEEN: usize = 2_000;
+
+/// `ulx3s_core` of a design with a line of this speed; its sets of weights start with these networks.
+///
+/// # Errors
+/// [`ProjectError`]: what does not fit what.
+pub fn project(
+    design: &Design,
+    sets: [&FixedNetwork; 2],
+    display: &Display,
+    speed: Speed,
+) -> Result<Project, ProjectError> {
+    let words = TableWords::of(display);
+    let tables = words.tables();
+    let identity = Identity::of(design, sets[0]);
+    let pace = Pace {
+        cycles_per_bit: speed.cycles_per_bit,
+        uart_time_out: speed.time_out,
+        ..Pace::of(design.board)
+    };
+    spacious(|| {
+        let mut core = Ulx3sCore::new(design, sets, &identity, &tables, &pace)?;
+        let files = images(design, sets).into_iter().chain(tables.images(design)).collect();
+        Ok(of_circuit(&mut core, files)?)
+    })
+}
+
+/// A ULX3S that runs.
+pub struct FirstLight {
+    bench: Bench,
+    terminal: Terminal,
+    speed: Speed,
+    /// Bytes from the host, and to it.
+    pub bytes: [u64; 2],
+    /// Seconds that a host waited where nothing could come any more: they count, but are not simulated.
+    waited: f64,
+}
+
+fn stopped(error: impl std::error::Error + Send + Sync + 'static) -> Error {
+    Error::Simulation(Box::new(error))
+}
+
+impl FirstLight {
+    /// The board of a design whose sets start with these networks; the seed decides everything random.
+    ///
+    /// # Errors
+    /// What does not fit, or as [`FirstLight::start`].
+    pub fn new(
+        design: &Design,
+        sets: [&FixedNetwork; 2],
+        display: &Display,
+        (speed, seed): (Speed, u64),
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let project = project(design, sets, display, speed).map_err(stopped)?;
+        Self::start(&project, design, (speed, seed), options)
+    }
+
+    /// Compiles the files of [`project`], its synchronisers one edge late at random, and starts them.
+    ///
+    /// # Errors
+    /// A tool is missing or rejects the text, or a file cannot be written.
+    pub fn start(
+        project: &Project,
+        design: &Design,
+        (speed, seed): (Speed, u64),
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let library = Library::build(&Source::from(project).metastable(), options).map_err(stopped)?;
+        let images = work::folder().map_err(stopped)?;
+        write_images(project, images.path()).map_err(stopped)?;
+        let of_images = Some(images.path().to_path_buf());
+        let model = library.start(&Start { seed, memory_dir: of_images }).map_err(stopped)?;
+        let mut bench = Bench::new(model, seed);
+        let periods = Periods::of_board(design);
+        let screen = 1_000_000_000 / u64::from(design.board.clocks.source_khz);
+        let mut clock = |port, period| bench.clock(port, period).map_err(stopped);
+        let core = clock("clock_i", periods.core)?;
+        clock("calculator_clock_i", periods.calculator)?;
+        clock("screen_clock_i", screen)?;
+        let terminal = Terminal::new(library.source(), core, speed.cycles_per_bit).map_err(stopped)?;
+        bench.set("uart_receive_i", 1).map_err(stopped)?;
+        let mut board = Self { bench, terminal, speed, bytes: [0; 2], waited: 0.0 };
+        board.reset()?;
+        Ok(board)
+    }
+
+    /// Simulates the given number of clock edges.
+    ///
+    /// # Errors
+    /// The simulation stops.
+    pub fn steps(&mut self, edges: usize) -> Result<(), Error> {
+        self.bench.steps(edges, &mut [&mut self.terminal]).map_err(stopped)
+    }
+
+    /// Presses FIRE1.
+    ///
+    /// # Errors
+    /// As [`FirstLight::steps`].
+    pub fn reset(&mut self) -> Result<(), Error> {
+        for level in [1, 0] {
+            self.bench.set("reset_i", level).map_err(stopped)?;
+            self.steps(RESET)?;
+        }
+        self.terminal.serial.forget();
+        Ok(())
+    }
+
+    /// The LEDs that the core has, the first one low.
+    ///
+    /// # Errors
+    /// As [`FirstLight::steps`].
+    pub fn leds(&mut self) -> Result<u64, Error> {
+        self.bench.get("leds_o").map_err(stopped)
+    }
+
+    fn seconds(&self) -> f64 {
+        self.bench.time_ps() as f64 * 1e-12 + self.waited
+    }
+
+    fn put(&mut self, bytes: &[u8]) {
+        self.bytes[0] += bytes.len() as u64;
+        self.terminal.serial.send(bytes.iter().map(|byte| (0, *byte)));
+    }
+
+    fn take(&mut self, max: usize) -> Vec<u8> {
+        let came = &mut self.terminal.serial.came;
+        let bytes: Vec<u8> = came.drain(..max.min(came.len())).collect();
+        self.bytes[1] += bytes.len() as u64;
+        bytes
+    }
+
+    /// Whether nothing comes any more, however long one waits.
+    fn rests(&self) -> bool {
+        let byte = u64::from(self.speed.cycles_per_bit) * u64::from(BITS_PER_BYTE);
+        self.terminal.serial.quiet > u64::from(self.speed.time_out) + 2 * byte
+    }
+}
+
+/// A host in the same program. Its waiting is simulated for as long as anything can still come, and only counted after that.
+impl Line for FirstLight {
+    fn name(&self) -> &str {
+        "simulated board (Verilog, from pin to pin)"
+    }
+
+    fn baud(&self) -> u32 {
+        self.speed.baud()
+    }
+
+    fn time(&self) -> Duration {
+        Duration::from_secs_f64(self.seconds())
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.put(bytes);
+        while !self.terminal.serial.is_done() {
+            self.steps(AT_ONCE).map_err(io::Error::other)?;
+        }
+        Ok(())
+    }
+
+    fn receive(&mut self, max: usize, patience: Duration) -> io::Result<Vec<u8>> {
+        let until = self.seconds() + patience.as_secs_f64();
+        while self.terminal.serial.came.is_empty() && self.seconds() < until && !self.rests() {
+            self.steps(AT_ONCE).map_err(io::Error::other)?;
+        }
+        if self.terminal.serial.came.is_empty() {
+            self.waited += (until - self.seconds()).max(0.0);
+        }
+        Ok(self.take(max))
+    }
+}
+
+impl Resettable for FirstLight {
+    fn press_reset(&mut self) -> io::Result<()> {
+        self.reset().map_err(io::Error::other)
+    }
+}
+
+impl Device for FirstLight {
+    fn exchange(&mut self, came: &[u8]) -> Result<Vec<u8>, Error> {
+        self.put(came);
+        self.steps(BETWEEN)?;
+        Ok(self.take(usize::MAX))
+    }
+
+    fn picture(&self) -> Option<Vec<u16>> {
+        None
+    }
+
+    fn mixed(&self) -> Option<u64> {
+        None
+    }
+
+    fn carried(&self) -> ([u64; 2], f64) {
+        let bytes = self.bytes;
+        (bytes, line_time((bytes[0] + bytes[1]) as usize, self.speed.baud()).as_secs_f64())
+    }
+
+    fn is_busy(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,101 @@
+//! First light of the ULX3S without a camera: hosts talk to everything between its pins by the serial line alone, and every word is the golden
+//! pipeline's.
+
+use crate::common::{committed, moderate};
+use crate::support;
+use edof_board::Board;
+use edof_board::link::PATIENCE;
+use edof_board::load::Job;
+use edof_board::self_test::SelfTest;
+use edof_core::{DisplayMode, RawFrame};
+use edof_cosim::system::{self, FirstLight, Speed, first_light};
+use edof_device::Design;
+use edof_device::board::ULX3S;
+use edof_device::design::FrameSize;
+use edof_golden::{Curve, Display, Golden};
+use edof_hdl::project::Project;
+use edof_network::FixedNetwork;
+use ndarray::Array2;
+use std::ops::ControlFlow;
+
+/// Fewer cycles per bit than on the board; all else is the same.
+const FAST: u32 = 7_500_000;
+
+/// The committed design with frames of a part of the board's buffers.
+fn design() -> Design {
+    let committed = committed("ulx3s");
+    let frame = FrameSize { width: 32, height: 24, ..committed.frame };
+    Design { frame, ..committed }
+}
+
+fn display() -> Display {
+    Display::new(DisplayMode::Colour, Curve::Srgb)
+}
+
+fn speed() -> Speed {
+    Speed::of(&ULX3S, FAST).unwrap()
+}
+
+fn project(network: &FixedNetwork) -> Project {
+    first_light::project(&design(), [network; 2], &display(), speed()).unwrap()
+}
+
+fn start(project: &Project, seed: u64) -> FirstLight {
+    FirstLight::start(project, &design(), (speed(), seed), &support::options()).unwrap()
+}
+
+/// A frame of the host's goes round: every boundary has the golden words, and the picture that comes back is the golden one.
+fn goes_round(board: &mut Board<&mut FirstLight>, raw: &RawFrame, network: &FixedNetwork) {
+    let mut go_on = |_, _| ControlFlow::Continue(());
+    let words = Array2::from_shape_vec(raw.size(), system::sent(raw)).unwrap();
+    board.put_frame(&words, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    let golden = Golden::new(network.clone()).unwrap();
+    let expected = golden.checks(&display(), raw).unwrap();
+    assert_eq!(board.check_frames(&expected, 2, &mut go_on).unwrap().difference, None);
+    let found = board.get_codes((0, 0), raw.size(), &mut |_, _| ControlFlow::Continue(())).unwrap();
+    let codes: Vec<u8> = found.into_iter().flat_map(u16::to_le_bytes).collect();
+    assert_eq!(codes, golden.frame(raw).unwrap().picture(&display()).0.yuyv());
+}
+
+#[test]
+fn a_host_tries_every_part_loads_a_network_and_gets_golden_pictures_over_the_line() {
+    let design = design();
+    let [first, second] = [5, 6].map(|seed| moderate(&design, seed));
+    let frames = system::drawn(design.frame, 2, 5).unwrap();
+    let mut simulated = start(&project(&first), 1);
+    let mut board = Board::open(&mut simulated, PATIENCE).unwrap();
+    let golden = Golden::new(first.clone()).unwrap();
+    let test = SelfTest { design: &design, golden: &golden, display: &display(), clocks: true };
+    let items = board.self_test(&test, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    assert!(items.iter().all(|item| item.passed), "{items:?}");
+    assert_eq!(items.last().unwrap().detail, "at 60 MHz of the core: screen 25.00 MHz, input 60.00 MHz");
+
+    goes_round(&mut board, &frames[0], &first);
+    let job = Job { design: &design, network: &second, bank: None, full: true, read_back: true, known: &[] };
+    board.load(&job, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    goes_round(&mut board, &frames[1], &second);
+    assert_eq!(simulated.leds().unwrap(), 0b1001);
+
+    // A reset in the midst of bursts: the memory completes them, and the network stays.
+    simulated.reset().unwrap();
+    let mut board = Board::open(&mut simulated, PATIENCE).unwrap();
+    goes_round(&mut board, &frames[0], &second);
+}
+
+#[test]
+fn a_memory_that_loses_a_word_is_found() {
+    let design = design();
+    let network = moderate(&design, 5);
+    let mut project = project(&network);
+    let (_, text) = project.verilog.iter_mut().find(|(name, _)| name == "axi_ram_w128_s16.v").unwrap();
+    let right = "write_row_q + ";
+    assert_eq!(text.matches(right).count(), 1, "{text}");
+    *text = text.replace(right, "write_row_q - ");
+    let mut simulated = start(&project, 1);
+    let mut board = Board::open(&mut simulated, PATIENCE).unwrap();
+    let golden = Golden::new(network).unwrap();
+    let test = SelfTest { design: &design, golden: &golden, display: &display(), clocks: true };
+    let items = board.self_test(&test, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    let failed: Vec<&str> = items.iter().filter(|item| !item.passed).map(|item| item.part).collect();
+    assert_eq!(failed, ["raw memory"], "{items:?}");
+}

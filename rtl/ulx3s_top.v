@@ -1,0 +1,75 @@
+// The ULX3S: pins, clocks, and ulx3s_core between them.
+//
+// clk_25mhz feeds two PLLs: one makes the clock of memory and host of @core_mhz@ MHz, one the calculator's of @calculator_mhz@ MHz. The reader of pictures,
+// in whose place a screen comes, runs at 25 MHz. The figures of the PLLs follow from the design.
+//
+// Resets: the core is in reset until the PLL of its clock is locked, and while FIRE1 is pressed; the calculator's domain alone while the PLL of its
+// clock is not locked.
+//
+// LEDs: 0 the memory is ready; 3 pictures leave the memory; 7 the clocks of core and calculator are locked.
+`default_nettype none
+module ulx3s_top (
+    input  wire       clk_25mhz,
+    input  wire       btn_fire1,
+    output wire [7:0] led,
+    // Named from the FT231X: it transmits on ftdi_txd.
+    input  wire       ftdi_txd,
+    output wire       ftdi_rxd,
+    // High: the ESP32 keeps running its program.
+    output wire       wifi_gpio0
+);
+    // 25 MHz / @core_divide@ * @core_feedback@ = @core_mhz@ MHz; the oscillator runs @core_output@ times as fast.
+    wire core_clock, core_locked;
+    (* FREQUENCY_PIN_CLKI = "25", FREQUENCY_PIN_CLKOP = "@core_mhz@" *)
+    (* ICP_CURRENT = "12", LPF_RESISTOR = "8", MFG_ENABLE_FILTEROPAMP = "1", MFG_GMCREF_SEL = "2" *)
+    EHXPLLL #(
+        .CLKI_DIV(@core_divide@), .CLKFB_DIV(@core_feedback@), .CLKOP_DIV(@core_output@), .CLKOP_CPHASE(@core_output@ / 2),
+        .CLKOP_FPHASE(0), .CLKOP_ENABLE("ENABLED"), .FEEDBK_PATH("CLKOP"), .OUTDIVIDER_MUXA("DIVA"),
+        .PLLRST_ENA("DISABLED"), .INTFB_WAKE("DISABLED"), .STDBY_ENABLE("DISABLED"), .DPHASE_SOURCE("DISABLED")
+    ) core_pll (
+        .CLKI(clk_25mhz), .CLKFB(core_clock), .CLKOP(core_clock), .LOCK(core_locked),
+        .RST(1'b0), .STDBY(1'b0), .PHASESEL0(1'b0), .PHASESEL1(1'b0), .PHASEDIR(1'b1), .PHASESTEP(1'b1), .PHASELOADREG(1'b1),
+        .PLLWAKESYNC(1'b0), .ENCLKOP(1'b0)
+    );
+
+    // 25 MHz / @calculator_divide@ * @calculator_feedback@ = @calculator_mhz@ MHz; the oscillator runs @calculator_output@ times as fast.
+    wire calculator_clock, calculator_locked;
+    (* FREQUENCY_PIN_CLKI = "25", FREQUENCY_PIN_CLKOP = "@calculator_mhz@" *)
+    (* ICP_CURRENT = "12", LPF_RESISTOR = "8", MFG_ENABLE_FILTEROPAMP = "1", MFG_GMCREF_SEL = "2" *)
+    EHXPLLL #(
+        .CLKI_DIV(@calculator_divide@), .CLKFB_DIV(@calculator_feedback@), .CLKOP_DIV(@calculator_output@),
+        .CLKOP_CPHASE(@calculator_output@ / 2), .CLKOP_FPHASE(0), .CLKOP_ENABLE("ENABLED"), .FEEDBK_PATH("CLKOP"), .OUTDIVIDER_MUXA("DIVA"),
+        .PLLRST_ENA("DISABLED"), .INTFB_WAKE("DISABLED"), .STDBY_ENABLE("DISABLED"), .DPHASE_SOURCE("DISABLED")
+    ) calculator_pll (
+        .CLKI(clk_25mhz), .CLKFB(calculator_clock), .CLKOP(calculator_clock), .LOCK(calculator_locked),
+        .RST(1'b0), .STDBY(1'b0), .PHASESEL0(1'b0), .PHASESEL1(1'b0), .PHASEDIR(1'b1), .PHASESTEP(1'b1), .PHASELOADREG(1'b1),
+        .PLLWAKESYNC(1'b0), .ENCLKOP(1'b0)
+    );
+
+    // Resets are registered: no logic stands before an asynchronous set.
+    wire button;
+    edof_debounce fire1 (.clock_i(core_clock), .line_i(btn_fire1), .level_o(button));
+    wire core_locked_seen, calculator_locked_seen;
+    edof_sync #(.WIDTH(2)) locks (
+        .clock_i(core_clock),
+        .from_i({core_locked, calculator_locked}),
+        .to_o({core_locked_seen, calculator_locked_seen})
+    );
+    reg reset_q = 1'b1;
+    reg calculator_reset_q = 1'b1;
+    always @(posedge core_clock) begin
+        reset_q <= button | !core_locked_seen;
+        calculator_reset_q <= !calculator_locked_seen;
+    end
+
+    wire [3:0] states;
+    assign led = {core_locked_seen & calculator_locked_seen, 3'b000, states};
+    assign wifi_gpio0 = 1'b1;
+
+    ulx3s_core core (
+        .clock_i(core_clock), .calculator_clock_i(calculator_clock), .screen_clock_i(clk_25mhz),
+        .reset_i(reset_q), .calculator_reset_i(calculator_reset_q),
+        .uart_receive_i(ftdi_txd), .uart_transmit_o(ftdi_rxd), .leds_o(states)
+    );
+endmodule
+`default_nettype wire

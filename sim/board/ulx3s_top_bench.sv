@@ -1,0 +1,110 @@
+// The ULX3S' top between models of its PLL and of the core: periods of the clocks, the order of the resets, which pin is which.
+`timescale 1ps / 1ps
+`default_nettype none
+
+// A PLL whose feedback is its output (FPGA-TN-02200): CLKOP is CLKI / CLKI_DIV x CLKFB_DIV, the oscillator CLKOP_DIV times as fast and between
+// 400 and 800 MHz (FPGA-DS-02012). It locks after some cycles of its input.
+module EHXPLLL (
+    input  wire CLKI, CLKFB, RST, STDBY, PHASESEL0, PHASESEL1, PHASEDIR, PHASESTEP, PHASELOADREG, PLLWAKESYNC, ENCLKOP,
+    output reg  CLKOP,
+    output reg  LOCK
+);
+    parameter CLKI_DIV = 1, CLKFB_DIV = 1, CLKOP_DIV = 8, CLKOP_CPHASE = 0, CLKOP_FPHASE = 0;
+    parameter CLKOP_ENABLE = "ENABLED", FEEDBK_PATH = "CLKOP", OUTDIVIDER_MUXA = "DIVA", PLLRST_ENA = "DISABLED", INTFB_WAKE = "DISABLED",
+        STDBY_ENABLE = "DISABLED", DPHASE_SOURCE = "DISABLED";
+    realtime last = 0, period = 0, half = 0;
+    integer seen = 0;
+    initial {CLKOP, LOCK} = 2'b00;
+    always @(posedge CLKI) begin
+        period = $realtime - last;
+        last = $realtime;
+        seen = seen + 1;
+        half = period * CLKI_DIV / CLKFB_DIV / 2;
+        LOCK <= seen > 40 + CLKFB_DIV;
+        if (seen == 4 && (2 * half / CLKOP_DIV < 1250 || 2 * half / CLKOP_DIV > 2500)) begin
+            $display("FAIL: %m: the oscillator has a period of %0.1f ps", 2 * half / CLKOP_DIV);
+            $finish;
+        end
+    end
+    initial begin
+        wait (seen == 3);
+        if (FEEDBK_PATH != "CLKOP" || CLKOP_CPHASE >= CLKOP_DIV || RST || STDBY) $display("FAIL: %m: no model of this use");
+        forever #(half) CLKOP = !CLKOP;
+    end
+    wire unused = &{1'b0, CLKFB, PHASESEL0, PHASESEL1, PHASEDIR, PHASESTEP, PHASELOADREG, PLLWAKESYNC, ENCLKOP};
+endmodule
+
+// What the top sees of a core: its line goes back inverted, its LEDs are alternate.
+module ulx3s_core (
+    input  wire clock_i, calculator_clock_i, screen_clock_i, reset_i, calculator_reset_i, uart_receive_i,
+    output wire uart_transmit_o,
+    output wire [3:0] leds_o
+);
+    assign uart_transmit_o = !uart_receive_i;
+    assign leds_o = 4'b0101;
+endmodule
+
+module ulx3s_top_bench;
+    reg clk_25mhz = 1'b0, btn_fire1 = 1'b0, ftdi_txd = 1'b1;
+    wire [7:0] led;
+    wire ftdi_rxd, wifi_gpio0;
+    always #20000 clk_25mhz = !clk_25mhz;
+    ulx3s_top dut (
+        .clk_25mhz(clk_25mhz), .btn_fire1(btn_fire1), .led(led), .ftdi_txd(ftdi_txd), .ftdi_rxd(ftdi_rxd), .wifi_gpio0(wifi_gpio0)
+    );
+    // A press of some microseconds is enough here.
+    defparam dut.fire1.LOG_CYCLES = 6;
+
+    task fail(input [8*60-1:0] what);
+        begin
+            $display("FAIL: %0s", what);
+            $finish;
+        end
+    endtask
+
+    // The mean period of a clock over a thousand cycles against what the design says.
+    realtime begun;
+    task measure(input integer clock, input real expected);
+        integer cycle;
+        real period;
+        begin
+            for (cycle = 0; cycle <= 1000; cycle = cycle + 1) begin
+                case (clock)
+                    0: @(posedge dut.core.clock_i);
+                    1: @(posedge dut.core.calculator_clock_i);
+                    default: @(posedge dut.core.screen_clock_i);
+                endcase
+                if (cycle == 0) begun = $realtime;
+            end
+            period = ($realtime - begun) / 1000;
+            if (period > expected * 1.001 || period < expected * 0.999) begin
+                $display("FAIL: clock %0d has a period of %0.1f ps, expected %0.1f", clock, period, expected);
+                $finish;
+            end
+        end
+    endtask
+
+    always @(posedge dut.core.clock_i) begin
+        if (!dut.core_locked && !dut.core.reset_i) fail("the core's reset is over before its clock is locked");
+        if (!dut.calculator_locked && !dut.core.calculator_reset_i) fail("the calculator's reset is over before its clock is locked");
+    end
+
+    initial begin
+        #20000000;
+        if (dut.core.reset_i || dut.core.calculator_reset_i) fail("a reset does not end");
+        if (led !== 8'b10000101) fail("LEDs");
+        if (wifi_gpio0 !== 1'b1) fail("the ESP32 is held");
+        measure(0, @core_ps@);
+        measure(1, @calculator_ps@);
+        measure(2, 40000.0);
+        ftdi_txd = 1'b0;
+        #1000 if (ftdi_rxd !== 1'b1) fail("the serial line");
+        btn_fire1 = 1'b1;
+        #20000000 if (!dut.core.reset_i || dut.core.calculator_reset_i) fail("FIRE1 resets the core alone");
+        btn_fire1 = 1'b0;
+        #20000000 if (dut.core.reset_i) fail("the reset of FIRE1 does not end");
+        $display("PASS: clocks, resets, pins");
+        $finish;
+    end
+endmodule
+`default_nettype wire
