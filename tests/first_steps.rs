@@ -200,7 +200,7 @@ fn a_design_of_ones_own_is_made_checked_and_taken_by_every_command() {
 #[test]
 fn a_design_for_another_board_is_estimated_and_what_the_board_lacks_is_named() {
     let place = Place::new();
-    let line = "design new --board ulx3s --form w8,t3,c32 --size 640x480 --clock-mhz 100 --out open.json";
+    let line = "design new --board ulx3s --form w8,t3,c32 --size 128x80 --clock-mhz 100 --out open.json";
     let promise = &json_of(&place.edof(&format!("{line} --json")).done().out)["promise"];
     assert!(promise["resources"]["mult18x18d"].as_u64().unwrap() <= 156, "{promise}");
     assert!(promise["resources"]["dp16kd"].as_u64().unwrap() <= 208, "{promise}");
@@ -214,8 +214,8 @@ fn a_design_for_another_board_is_estimated_and_what_the_board_lacks_is_named() {
     let network = "--design open.json --weights random.fixed.safetensors";
     for (line, message) in [
         (
-            format!("generate {network} --out out"),
-            "frame 640x480: must be at most 10240 pixels, which a buffer holds",
+            line.replace("128x80", "640x480"),
+            "--size 640x480: must be at most 10240 pixels, which a buffer holds",
         ),
         (format!("generate {network} --out out --shell litex"), "board ulx3s has no shell 'litex'"),
         ("board sim --design open.json".to_owned(), "board ulx3s has no video input"),

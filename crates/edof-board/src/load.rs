@@ -137,19 +137,17 @@ impl<L: Line> Board<L> {
         let target = target(job.design, job.bank, in_use);
         let hash = weights_hash(job.design, job.network);
         if is_alone {
-            // No frame is made meanwhile, and its words are those of no bank in use.
-            self.change_control(WEIGHT_SET | RUN | FLUSH, control_bit(other(target)) | FLUSH)?;
-        } else {
-            if target == in_use {
-                // The other bank's pictures until this one's are right.
-                self.change_control(WEIGHT_SET, control_bit(other(in_use)))?;
-            }
-            self.wait_for(other(target))?;
+            // No frame is made until its words are right, and they are those of no bank in use.
+            self.change_control(WEIGHT_SET | RUN, control_bit(other(target)))?;
+        } else if target == in_use {
+            // The other bank's pictures until this one's are right.
+            self.change_control(WEIGHT_SET, control_bit(other(in_use)))?;
         }
+        self.wait_for(other(target))?;
         let kept = self.keep(job, other(target))?;
-        // A load that was interrupted left the bit that drops frames.
-        let runs = if registers[1] & (RUN | FLUSH) == 0 { 0 } else { RUN };
-        let then = if is_alone { (kept.control & !FLUSH) | runs } else { kept.control };
+        // A load of the only bank that was interrupted left the other one in use.
+        let runs = if is_alone && in_use != target { RUN } else { registers[1] & RUN };
+        let then = if is_alone { kept.control | runs } else { kept.control };
         self.link.set(SCRATCH, mark(hash))?;
         let switches = is_alone || job.bank.is_none() || target == in_use;
         let mut recovered = false;
