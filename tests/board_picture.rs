@@ -125,3 +125,25 @@ fn the_ulx3s_is_tried_loaded_and_shows_golden_pictures() {
     let pixels = |name: &str| photo::load(&place.path(name)).unwrap().planes;
     assert!(pixels("whole.png") == pixels("expected.png"), "another picture came back");
 }
+
+#[test]
+fn a_graphics_card_is_calibrated_by_its_chart() {
+    let place = Place::new();
+    drawn(&place, "own", 5);
+    place.edof("board calibrate picture chart.png --size 96x80").done();
+    let chart = photo::load(&place.path("chart.png")).unwrap().planes;
+    // What arrives of it: luma 16 to 235 above chroma 128, as words of a raw frame.
+    let luma = |grey: f32| (16.0 + grey * 219.0).round() as u8;
+    let word = |i: usize| [luma(chart[(0, i / 96, i % 96)]), 128];
+    let header = b"P5 96 80 65535\n".to_vec();
+    let raw = [header, (0..96 * 80).flat_map(word).collect()].concat();
+    std::fs::write(place.path("raw.pgm"), raw).unwrap();
+    let _sim = Sim::start(&place, "--weights own.fixed.safetensors --size 96x80 --frame raw.pgm");
+    let said = board(&place, "calibrate read card.json");
+    assert_eq!(
+        said,
+        "greys 0 to 255 arrive as luma 16 to 235; greys 56 to 204 carry all 128 codes; the board now takes raw frames in grey\n"
+    );
+    assert_eq!(board(&place, "get video_setup.grey"), "0x00000001 1\n");
+    place.edof("capture leaves --size 96x80 --psi 0 --out r.png --video v.rgb --grey card.json").done();
+}

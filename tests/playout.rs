@@ -137,3 +137,52 @@ fn video_replaces_no_other_file_of_its_command() {
         assert_eq!(place.files(), Vec::<String>::new());
     }
 }
+
+/// A graphics card that makes luma 30 to 218 of grey 0 to 255, as a file of a calibration has it: docs/bring-up.md.
+fn calibration(luma: impl Fn(u8) -> u8) -> Vec<u8> {
+    let grey = |code: u8| (0..=255).find(|grey| luma(*grey) == code).unwrap();
+    let [greys, luma] = [(64..=191).map(grey).collect(), (0..=255).map(&luma).collect::<Vec<u8>>()];
+    let provenance = serde_json::to_value(edof_core::storage::provenance::Provenance::default()).unwrap();
+    serde_json::to_vec(&serde_json::json!({ "greys": greys, "luma": luma, "provenance": provenance }))
+        .unwrap()
+}
+
+#[test]
+fn video_in_grey_is_two_frames_that_a_graphics_card_turns_into_the_words() {
+    let luma = |grey: u8| (30.0 + f64::from(grey) * 188.0 / 255.0).round() as u8;
+    let place = Place::new();
+    place.write("card.json", calibration(luma));
+    let line =
+        "capture leaves --size 80x64 --camera clear --psi 0 --no-measure --out raw.png --video frame.rgb";
+    place.edof(&format!("{line} --bit-depth 12 --grey card.json")).done();
+    let video = bytes(&place, "frame.rgb");
+    let words = raw::load(&place.path("raw.png"), &RawOptions::default()).unwrap().pixels().clone();
+    assert_eq!(video.len(), 2 * 3 * 80 * 64);
+    // The contract's places, written out.
+    let code = |half: usize, line: usize, column: usize| {
+        let at = 3 * ((64 * half + line) * 80 + column);
+        assert!(video[at] == video[at + 1] && video[at] == video[at + 2], "grey");
+        u16::from(luma(video[at])) - 64
+    };
+    for ((row, column), word) in words.indexed_iter() {
+        let (half, line, place) = (row / 32, 2 * (row % 32) + column / 40, column % 40);
+        let [upper, lower] = [0, 1].map(|i| code(half, line, 2 * place + i));
+        assert_eq!(upper * 512 + lower / 2 * 8, *word, "row {row}, column {column}");
+        if place == 0 {
+            assert_eq!(usize::from(lower % 2), half, "the first mark of a line");
+        }
+    }
+    let record: Value = serde_json::from_slice(&bytes(&place, "frame.rgb.json")).unwrap();
+    assert_eq!((&record["depth"], &record["video"]), (&12.into(), &Value::Null));
+
+    let text = String::from_utf8(bytes(&place, "card.json")).unwrap();
+    let first = text.split(['[', ',']).nth(1).unwrap();
+    let second = text.split(['[', ',']).nth(2).unwrap();
+    place.write("twice.json", text.replacen(first, second, 1).as_bytes());
+    place.edof(&format!("{line} --grey twice.json")).refused(&[
+        "twice.json",
+        "greys: must be 128 different numbers from 0 to 255",
+        "calibrate read",
+    ]);
+    place.edof(&format!("{line} --grey none.json")).refused(&["none.json"]);
+}

@@ -3,6 +3,7 @@
 use edof_device::design::DesignError;
 use edof_device::i2c::Cause;
 use edof_device::registers::map::{ID, VERSION};
+use edof_golden::video::greys::GreyError;
 use edof_network::fixed_network::FixedNetworkError;
 
 /// What became of a line, where the system's own words do not say what to do.
@@ -162,6 +163,14 @@ pub enum Error {
     /// No frame passes the calculator.
     #[error("{port}: no whole frame passes the calculator; 'edof board status' says what comes and goes")]
     NoFrame { port: String },
+    /// A chart that carries no words.
+    #[error("{port}: {source}")]
+    Grey { port: String, source: GreyError },
+    /// The frame has no room for the chart.
+    #[error(
+        "{port}: frames of {width}x{height} pixels have no room for the chart of greys, expected 64x64 or more"
+    )]
+    NoRoom { port: String, width: u32, height: u32 },
     /// A raw frame of another size than the board's.
     #[error("{port}: a raw frame of {}x{} pixels, expected {}x{}, the board's", found.0, found.1, expected.0, expected.1)]
     FrameSize { port: String, found: (usize, usize), expected: (usize, usize) },

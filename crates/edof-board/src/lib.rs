@@ -15,6 +15,7 @@
 //! | does every part work | [`self_test`] | bus, memories, multipliers, chips, clocks, each with what was found |
 //! | pictures over the line | [`picture`], [`host_frame`] | a tile of raw pixels or a whole raw frame in, codes out |
 //! | video chips | [`chips`], [`diagnosis`], [`align`] | their registers, what they miss in words, the receiver's clock where it works |
+//! | a PC's graphics card as source | [`mod@calibrate`] | which grey becomes which code |
 //! | a board in Rust | [`simulated`] | the same registers and memories, pictures of the golden pipeline ([`Simulated`]) |
 //! | what may go wrong | [`faulty`] | a line that loses, doubles or changes a byte, a host that ends, a board that is reset |
 //! | models of the chips around the FPGA, which judge set-ups | [`chip_models`] |
@@ -48,6 +49,7 @@
 
 pub mod align;
 pub mod board;
+pub mod calibrate;
 pub mod check;
 pub mod chip_models;
 pub mod chips;

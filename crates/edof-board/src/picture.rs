@@ -46,7 +46,8 @@ impl<L: Line> Board<L> {
         let total = starts(rows).len() * starts(columns).len() * TILE_PIXELS;
         let mut before = 0;
         for (r, c) in starts(rows).flat_map(|r| starts(columns).map(move |c| (r, c))) {
-            let square = self.square((row + r, column + c), &mut |done| step(before + done, total))?;
+            let square =
+                self.square(((row + r) << 16 | (column + c)) as u32, &mut |done| step(before + done, total))?;
             before += TILE_PIXELS;
             let (height, width) = (TILE_SIDE.min(rows - r), TILE_SIDE.min(columns - c));
             codes.slice_mut(s![r..r + height, c..c + width]).assign(&square.slice(s![..height, ..width]));
@@ -54,22 +55,15 @@ impl<L: Line> Board<L> {
         Ok(codes)
     }
 
-    /// The codes of the square of 64 × 64 pixels from a corner on.
-    fn square(
+    /// The square of 64 × 64 pixels that the word of `picture_corner` asks for.
+    pub(crate) fn square(
         &mut self,
-        (row, column): (usize, usize),
+        corner: u32,
         step: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> Result<Array2<u16>, Error> {
-        self.link.set(map::PICTURE_CORNER, (row << 16 | column) as u32)?;
+        self.link.set(map::PICTURE_CORNER, corner)?;
         // A whole picture passes after the corner was set.
-        let first = self.named("picture_frames")?;
-        let mut looks = 0;
-        while self.named("picture_frames")?.wrapping_sub(first) < 2 {
-            looks += 1;
-            if looks > MAX_LOOKS {
-                return Err(Error::NoFrame { port: self.port() });
-            }
-        }
+        self.pass("picture_frames", 2)?;
         let mut words = vec![];
         while words.len() < TILE_PIXELS {
             if step(words.len()).is_break() {
@@ -79,6 +73,17 @@ impl<L: Line> Board<L> {
             words.extend(some.into_iter().map(|word| word as u16));
         }
         Ok(Array2::from_shape_fn((TILE_SIDE, TILE_SIDE), |(r, c)| words[TILE_SIDE * r + c]))
+    }
+
+    /// Waits until a counter of frames has grown by so much.
+    pub(crate) fn pass(&mut self, counter: &str, frames: u32) -> Result<(), Error> {
+        let first = self.named(counter)?;
+        for _ in 0..MAX_LOOKS {
+            if self.named(counter)?.wrapping_sub(first) >= frames {
+                return Ok(());
+            }
+        }
+        Err(Error::NoFrame { port: self.port() })
     }
 }
 

@@ -1,6 +1,8 @@
 //! The set-ups of both buses on chips that know nothing of them (`edof_board::chip_models`), from a source's cable to the pins and from the pins to a screen;
 //! and the same set-ups with one fault each, which the chips must show.
 
+#[path = "first_light/grey.rs"]
+mod grey;
 mod player;
 
 use edof_board::chip_models::adv7511::State as Sending;

@@ -23,7 +23,7 @@ const COMMANDS: [(&str, &[Group]); 14] = [
             ("Scene", "size seed tone depth-map range map-of map-unit layers"),
             ("Lens and depth", "camera psf-bank psi nominal"),
             ("Sensor", "bit-depth phase noise black-level"),
-            ("Files to write", "out video values sharp light"),
+            ("Files to write", "out video grey values sharp light"),
             ("Accuracy", "energy wavelength-tolerance depth-tolerance exact measure"),
         ],
     ),

@@ -109,7 +109,8 @@ impl RawFrame {
     }
 
     /// The frame with the bits of each word that the mask has.
-    pub(crate) fn with_mask(&self, mask: u16) -> Self {
+    #[must_use]
+    pub fn with_mask(&self, mask: u16) -> Self {
         Self { pixels: self.pixels.mapv(|word| word & mask), ..*self }
     }
 

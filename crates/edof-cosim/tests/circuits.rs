@@ -31,6 +31,7 @@ mod frame_checks;
 mod full_frame;
 mod full_width;
 mod generated;
+mod grey;
 mod host;
 mod host_frame;
 mod i2c;

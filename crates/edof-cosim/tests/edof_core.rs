@@ -76,7 +76,11 @@ impl Setup {
     }
 
     pub fn start(&self, frames: &[RawFrame], seed: u64) -> Rig {
-        let sent = frames.iter().map(system::sent).collect();
+        self.start_with(frames.iter().map(system::sent).collect(), seed)
+    }
+
+    /// With the words of each frame that the camera sends.
+    pub fn start_with(&self, sent: Vec<Vec<u16>>, seed: u64) -> Rig {
         Rig::start(&self.compiled, &self.begin(seed), sent).unwrap()
     }
 

@@ -87,6 +87,7 @@ impl Receiver {
 
     fn of(compiled: &Compiled, seed: u64, takes: i64) -> Self {
         let mut bench = compiled.start(seed);
+        bench.poke("plain_i", 0);
         bench.reset();
         let model = InModel::new(FRAME, PATIENCE);
         Self { bench, model, frames: Frames::default(), draw: Draw::new(seed), takes }
@@ -237,6 +238,27 @@ fn a_frame_with_a_code_that_carries_nothing_is_counted_and_never_comes_whole() {
         whole.push(frame);
     }
     assert_eq!(receiver.frames.whole, whole);
+}
+
+#[test]
+fn bytes_of_any_kind_are_pixels_where_they_are_to_be_plain() {
+    let mut receiver = Receiver::new(13, 16);
+    let draw = &mut Draw::new(14);
+    receiver.send(&sent(draw, timing(18, 12), false).0);
+    for is_plain in [true, false, true] {
+        receiver.model.is_plain = is_plain;
+        receiver.bench.poke("plain_i", is_plain.into());
+        let (mut pins, _) = sent(draw, timing(18, 12), false);
+        let mut words = vec![];
+        for pins in pins.iter_mut().filter(|pins| pins.de) {
+            pins.data = draw.bits() as u16;
+            words.push(pins.data.swap_bytes());
+        }
+        receiver.frames.whole.clear();
+        receiver.send(&pins);
+        assert_eq!(receiver.frames.whole, if is_plain { vec![words] } else { vec![] });
+    }
+    assert_eq!(receiver.model.measured().range_frames, 1);
 }
 
 #[test]

@@ -9,6 +9,7 @@ use edof_device::Design;
 use edof_device::design::FrameSize;
 use edof_device::video::{Axis, VideoTiming};
 use edof_hdl::video::display::{Display, TABLE_IMAGES};
+use edof_hdl::video::grey_join::GreyJoin;
 use edof_hdl::video::overlap_add::OverlapAdd;
 use edof_hdl::video::patch_pairs::PatchPairs;
 use edof_hdl::video::queue::Queue;
@@ -20,7 +21,18 @@ use edof_hdl::video::window_reorder::WindowReorder;
 use edof_verilog::describe::Circuit;
 use rust_hdl::prelude::*;
 
-ported!(Display, OverlapAdd, PatchPairs, RasterReorder, VideoIn, VideoOut, WindowReorder, QueueTop, ScaleTop);
+ported!(
+    Display,
+    GreyJoin,
+    OverlapAdd,
+    PatchPairs,
+    RasterReorder,
+    VideoIn,
+    VideoOut,
+    WindowReorder,
+    QueueTop,
+    ScaleTop
+);
 
 /// Whether a stream may show something else: nothing stands there, or it was taken.
 fn is_free(last: &Last, valid: &str, ready: &str) -> bool {
@@ -229,7 +241,29 @@ fn video_in() {
         b.vs.next = vs && last.cycle % 2000 < 1200;
         b.de.next = de;
         b.data.next = word(draw);
+        b.plain.next = last.cycle % 6000 > 4000;
         b.pixels_ready.next = draw.whole(0, 99) > 0;
+    });
+}
+
+#[test]
+fn grey_join() {
+    let mut sent = 0;
+    let frame = FrameSize { width: 12, height: 4, stride: Stride::PATCH };
+    let qualified = ["pixels.data", "pixels.user", "pixels.last"].map(|port| (port, "pixels.valid"));
+    agree(GreyJoin::new(frame), RESET as usize, &qualified, move |b, draw, last| {
+        b.reset.next = resets(last, draw);
+        b.grey.next = last.cycle % 3000 > 800;
+        if is_free(last, "source.valid", "source.ready") {
+            b.source.valid.next = draw.whole(0, 9) > 0;
+            // Mostly marks that fit, of halves by turns.
+            let mark = u16::from(sent % 96 >= 48 && sent % 12 == 1) << 9;
+            b.source.data.next = (u64::from(draw.bits() as u16 & 0xfdff | mark)).into();
+            b.source.user.next = sent % 48 == 0;
+            b.source.last.next = sent % 12 == 11;
+            sent += if draw.whole(0, 400) == 0 { 2 } else { 1 };
+        }
+        b.pixels.ready.next = draw.whole(0, 3) > 0;
     });
 }
 

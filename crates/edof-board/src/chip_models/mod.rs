@@ -12,7 +12,7 @@
 //! | registers and their rules | [`registers`] |
 //! | the receiver: cable to pins | [`adv7611`] |
 //! | the transmitter: pins to cable | [`adv7511`] |
-//! | links, EDIDs, who is at the ends | [`hdmi`], [`edid`], [`source`], [`screen`] |
+//! | links, EDIDs, who is at the ends | [`hdmi`], [`edid`], [`source`], [`graphics_card`], [`screen`] |
 //! | all of it as it is wired | [`imageon`], [`kc705`] |
 //!
 //! ```
@@ -34,6 +34,7 @@ pub mod adv7611;
 pub mod edid;
 pub mod expander;
 pub mod faults;
+pub mod graphics_card;
 pub mod hdmi;
 pub mod imageon;
 pub mod kc705;

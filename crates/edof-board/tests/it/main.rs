@@ -1,5 +1,6 @@
 //! The host's side against the board in Rust, in one program: time is the board's own, so nothing waits.
 
+mod calibrate;
 mod check;
 mod chips;
 mod common;

@@ -9,6 +9,7 @@ use crate::said;
 use crate::ui::Ui;
 use edof::job::{
     CaptureJob, CaptureOutputs, Captured, DepthMap, JobError, ListedScene, Meaning, Scale, SceneSource,
+    VideoOutput,
 };
 use edof_core::camera::Camera;
 use edof_core::frame::FrameError;
@@ -135,6 +136,11 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     video: Option<PathBuf>,
 
+    /// Write --video for a PC's graphics card: two frames of RGB, 8 bits per colour, without a header, in the greys of this file of 'edof board
+    /// calibrate read'. Carries the upper 13 bits of a word (docs/bring-up.md)
+    #[arg(long, value_name = "FILE", requires = "video")]
+    grey: Option<PathBuf>,
+
     /// What the words of --video stand for, as the board's network takes them: linear (light) or srgb (encoded light)
     #[arg(long, default_value_t = Tone::Linear, value_name = "TONE")]
     values: Tone,
@@ -166,6 +172,7 @@ Examples:
   edof capture photo.png --psf-bank lens.npz --psi 4 --out raw.png
   edof capture chart-4 --noise sensor:gain=8 --out raw.pgm --sharp sharp.png
   edof capture photo.png --out raw.png --video frame.2vuy
+  edof capture photo.png --out raw.png --video frame.rgb --grey card.json
   edof capture photo.png --tone linear --noise 0.01 --psi 8 --out raw.png
   edof capture leaves --psi 6 --noise sensor:gain=4 --bit-depth 10 --out raw.png --exact";
 
@@ -202,12 +209,17 @@ impl Args {
             is_measured: self.measure && !self.exact && !self.no_measure,
             outputs: CaptureOutputs {
                 raw: self.out.clone(),
-                video: self.video.clone().map(|file| (file, self.values)),
+                video: self.video_output(),
                 sharp: self.sharp.clone(),
                 light: self.light.clone(),
             },
             provenance: ui.provenance().for_file(),
         })
+    }
+
+    fn video_output(&self) -> Option<VideoOutput> {
+        let (path, greys) = (self.video.clone()?, self.grey.clone());
+        Some(VideoOutput { path, values: self.values, greys })
     }
 
     fn sensor(&self) -> Result<Sensor, Error> {
@@ -304,6 +316,7 @@ impl Args {
             .reads(&self.scene)
             .reads_all(listed.into_iter().flat_map(ListedScene::files))
             .reads_all(&self.depth_map)
+            .reads_all(&self.grey)
             .reads_all(lens)
             .writes("--out", &self.out);
         files = files.writes("the record beside --out", record::path_of(&self.out));

@@ -299,6 +299,16 @@ pub const REGISTERS: &[Register] = &[
         VIDEO_SETUP_RESET,
         &[
             bit("screen_422", 0, "Y'CbCr 4:2:2 to the screen in place of RGB."),
+            bit(
+                "grey",
+                1,
+                "Raw frames come in grey from a PC's graphics card, two pixels per word and two frames of video per raw frame (docs/contract.md, 1.4). Takes effect at once.",
+            ),
+            bit(
+                "plain",
+                2,
+                "Every pixel is the raw word 256·Y + C of its bytes, whatever they are: for `edof board calibrate`, with `grey` 0. Takes effect at once.",
+            ),
             Field {
                 name: "receiver_tap",
                 low: 8,
@@ -312,7 +322,7 @@ pub const REGISTERS: &[Register] = &[
                 doc: "Receiver's IO 0x06: 0xA0, or 0xA1 with its output clock inverted.",
             },
         ],
-        "Settings for the next set-up of the video chips (`control.i2c_restart` starts one).",
+        "Settings for the next set-up of the video chips (`control.i2c_restart` starts one), and of the input.",
     ),
     control(
         "chip_access",
@@ -422,6 +432,7 @@ pub const REGISTERS: &[Register] = &[
         &[
             Field { name: "column", low: 0, bits: 13, doc: "Column." },
             Field { name: "row", low: 16, bits: 13, doc: "Row." },
+            bit("raw", 31, "`picture` shows raw pixel words that the calculator took, in place of codes."),
         ],
         "The first pixel of the square of codes that `picture` shows.",
     ),

@@ -4,11 +4,15 @@
 //! comes out, and streams may come at any time.
 
 pub mod figures;
+pub mod grey;
+pub mod grey_join;
+pub mod greys;
 pub mod pattern;
 pub mod sync_codes;
 pub mod video_in;
 pub mod video_out;
 
+pub use grey_join::GreyJoin;
 pub use sync_codes::SyncCodes;
 pub use video_in::VideoIn;
 pub use video_out::VideoOut;

@@ -51,6 +51,8 @@ pub struct Measured {
 pub struct VideoIn {
     frame: FrameSize,
     patience: u32,
+    /// Any bytes are pixels, Y above C. Change it while no pixel is on its way.
+    pub is_plain: bool,
     /// The pins of the last cycles, the latest first.
     past: VecDeque<Pins>,
     /// Where the next pixel lies: column, row.
@@ -80,6 +82,7 @@ impl VideoIn {
         Self {
             frame,
             patience,
+            is_plain: false,
             past: VecDeque::from(vec![Pins::default(); KNOWN + 1]),
             place: (0, 0),
             between: false,
@@ -158,7 +161,8 @@ impl VideoIn {
                 (self.crooked, self.sending) = (true, false);
             }
         }
-        let word = cable::word(now.data.to_le_bytes());
+        let plain = self.is_plain.then(|| now.data.swap_bytes());
+        let word = plain.or_else(|| cable::word(now.data.to_le_bytes()));
         if now.de && word.is_none() {
             (self.strays, self.sending) = (true, false);
         }

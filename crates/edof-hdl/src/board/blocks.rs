@@ -39,8 +39,10 @@ pub struct Block {
 /// Stands for the calculator's clock of any design.
 const CALCULATOR: Domain = Domain::Calculator(0);
 
-const BLOCKS: [(&str, Domain); 34] = [
+const BLOCKS: [(&str, Domain); 36] = [
     ("video_in", Domain::Pixel),
+    ("carrier", Domain::Pixel),
+    ("grey_join", Domain::Pixel),
     ("input_fifo", Domain::Core),
     ("input_status", Domain::Core),
     ("watch", Domain::Core),

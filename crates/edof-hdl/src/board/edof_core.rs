@@ -17,6 +17,7 @@ use crate::blocks::frame_check::FrameCheck;
 use crate::crossing::{BusSync, PixelFifo, ResetSync, Sync};
 use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiLiteSlave, AxiReadMaster, AxiWriteMaster, StreamOut};
+use crate::video::grey_join::GreyJoin;
 use crate::video::stream_core::StreamCore;
 use crate::video::video_in::VideoIn;
 use crate::video::video_out::VideoOut;
@@ -115,6 +116,9 @@ pub struct EdofCore<const W: usize, const S: usize> {
     watch: ClockWatch,
     calculator_watch: ClockWatch,
     video_in: VideoIn,
+    // Grey, and plain.
+    carrier: Sync<2>,
+    grey_join: GreyJoin,
     input_fifo: PixelFifo,
     input_status: BusSync<224>,
     patterns: PatternSource,
@@ -188,6 +192,7 @@ impl<const W: usize, const S: usize> EdofCore<W, S> {
         let (raw, picture) = (frames(memory.raw_buffers), frames(memory.picture_buffers));
         Ok(Self::from_parts(EdofCoreParts {
             video_in: VideoIn::new(design.frame, timing.signal_time_out()),
+            grey_join: GreyJoin::new(design.frame),
             watch: ClockWatch::new(true),
             calculator_watch: ClockWatch::new(false),
             input_fifo: PixelFifo::new(crossing),
@@ -257,6 +262,9 @@ impl<const W: usize, const S: usize> Logic for EdofCore<W, S> {
         self.watch.watched_reset.next = self.resets[0].domain_reset.val();
         self.video_in.clock.next = self.input_clock.val();
         self.video_in.reset.next = self.resets[0].domain_reset.val();
+        self.carrier.clock.next = self.input_clock.val();
+        self.grey_join.clock.next = self.input_clock.val();
+        self.grey_join.reset.next = self.resets[0].domain_reset.val();
         self.input_fifo.from_clock.next = self.input_clock.val();
         self.input_fifo.from_reset.next = self.resets[0].domain_reset.val();
         self.input_fifo.to_clock.next = self.clock.val();
@@ -306,11 +314,19 @@ impl<const W: usize, const S: usize> Logic for EdofCore<W, S> {
         self.video_in.vs.next = self.input_vs.val();
         self.video_in.de.next = self.input_de.val();
         self.video_in.data.next = self.input_data.val();
-        self.input_fifo.from.valid.next = self.video_in.pixels_valid.val();
-        self.input_fifo.from.data.next = self.video_in.pixels_data.val();
-        self.input_fifo.from.user.next = self.video_in.pixels_user.val();
-        self.input_fifo.from.last.next = self.video_in.pixels_last.val();
-        self.video_in.pixels_ready.next = self.input_fifo.from.ready.val();
+        self.carrier.from.next = self.registers.video_setup.val().get_bits::<2>(1);
+        self.grey_join.grey.next = self.carrier.to.val().get_bit(0);
+        self.video_in.plain.next = self.carrier.to.val().get_bit(1);
+        self.grey_join.source.valid.next = self.video_in.pixels_valid.val();
+        self.grey_join.source.data.next = self.video_in.pixels_data.val();
+        self.grey_join.source.user.next = self.video_in.pixels_user.val();
+        self.grey_join.source.last.next = self.video_in.pixels_last.val();
+        self.video_in.pixels_ready.next = self.grey_join.source.ready.val();
+        self.input_fifo.from.valid.next = self.grey_join.pixels.valid.val();
+        self.input_fifo.from.data.next = self.grey_join.pixels.data.val();
+        self.input_fifo.from.user.next = self.grey_join.pixels.user.val();
+        self.input_fifo.from.last.next = self.grey_join.pixels.last.val();
+        self.grey_join.pixels.ready.next = self.input_fifo.from.ready.val();
         self.patterns.clock.next = self.clock.val();
         self.patterns.reset.next = self.resets[1].domain_reset.val();
         self.patterns.select.next = self.registers.pattern.val().get_bits::<3>(0);
@@ -400,7 +416,7 @@ impl<const W: usize, const S: usize> Logic for EdofCore<W, S> {
         self.screen_de.next = self.video_out.de.val();
         self.screen_data.next = self.video_out.data.val();
 
-        // The host's window: a tile that the pattern repeats, and a part of the codes.
+        // The host's window: a tile that the pattern repeats, and a part of the codes, or of the raw words that were taken.
         self.window.clock.next = self.clock.val();
         self.window.reset.next = self.resets[1].domain_reset.val() || self.flush.val();
         self.window.tile_address.next = self.patterns.tile_address.val();
@@ -412,6 +428,12 @@ impl<const W: usize, const S: usize> Logic for EdofCore<W, S> {
         self.window.data.next = self.picture_fifo.to.data.val();
         self.window.user.next = self.picture_fifo.to.user.val();
         self.window.last.next = self.picture_fifo.to.last.val();
+        if self.registers.window_corner.val().get_bit(31) {
+            self.window.valid.next = self.raw_fifo.from.valid.val() && self.raw_fifo.from.ready.val();
+            self.window.data.next = self.raw_reader.pixels.data.val();
+            self.window.user.next = self.raw_reader.pixels.user.val();
+            self.window.last.next = self.raw_reader.pixels.last.val();
+        }
         self.window.corner.next = self.registers.window_corner.val();
         self.window.read_address.next = self.registers.tile_address.val();
         self.registers.window_pixel.next = self.window.read_data.val();

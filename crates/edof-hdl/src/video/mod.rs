@@ -3,6 +3,7 @@
 //! | block | does |
 //! |---|---|
 //! | [`video_in`] | the 4:2:2 bus of a receiver: raw pixels, and whether they are the frames that the design is for |
+//! | [`grey_join`] | raw frames of the grey pixels that a PC's graphics card sends |
 //! | [`window_reorder`] | raw lines in block RAM, windows out, mirrored at the borders |
 //! | [`patch_pairs`] | patches as F gives them, pairs of pixels out |
 //! | [`overlap_add`] | the sum of overlapping patches; nothing at stride 8 |
@@ -20,6 +21,7 @@
 //! Leaves, each in `rtl/` and here as its model: [`memory`], [`queue`], [`scale`], [`table`].
 
 pub mod display;
+pub mod grey_join;
 pub mod lines;
 pub mod memory;
 pub mod overlap_add;

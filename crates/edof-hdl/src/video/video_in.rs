@@ -11,7 +11,7 @@ use rust_hdl::prelude::*;
 /// sync, whichever its polarity. A frame whose line has another width than the design's, which ends early, or which is not taken in
 /// time is left as it is: its receiver must not take it for whole until all of its pixels have come, and sees the next first pixel.
 /// So is one in which the horizontal sync pauses for 8191 cycles, or in which a code lies outside of 64 to 191. Lines beyond the design's height are left out. What was measured of a
-/// frame stands with its end, the first after a loss left out.
+/// frame stands with its end, the first after a loss left out. With `plain` the output is every pixel's two bytes, Y above C, whatever they are.
 #[derive(Circuit)]
 #[circuit(registers(clock, reset))]
 pub struct VideoIn {
@@ -27,6 +27,8 @@ pub struct VideoIn {
     pub de: Signal<In, Bit>,
     /// Bits of the pixel: Y low, C high, each with seven bits of a raw pixel word.
     pub data: Signal<In, Bits<16>>,
+    /// Any bytes are pixels, from the next cycle on.
+    pub plain: Signal<In, Bit>,
     /// A raw pixel word stands on the output.
     pub pixels_valid: Signal<Out, Bit>,
     /// The receiver accepts the output in this cycle.
@@ -167,6 +169,11 @@ impl Logic for VideoIn {
             | (bit_cast::<16, 6>(self.data_1.q.val().get_bits::<6>(8)) << 2);
         self.in_range_2.d.next = (self.data_1.q.val().get_bit(7) ^ self.data_1.q.val().get_bit(6))
             && (self.data_1.q.val().get_bit(15) ^ self.data_1.q.val().get_bit(14));
+        if self.plain.val() {
+            self.pixel_2.d.next = (bit_cast::<16, 8>(self.data_1.q.val().get_bits::<8>(0)) << 8)
+                | bit_cast::<16, 8>(self.data_1.q.val().get_bits::<8>(8));
+            self.in_range_2.d.next = true;
+        }
         self.line_begins_2.d.next = self.de_1.q.val() && !self.de_2.q.val();
         self.line_ends_2.d.next = !self.de_1.q.val() && self.de_2.q.val();
         self.frame_ends_2.d.next = self.vs_1.q.val() ^ self.vs_2.q.val();

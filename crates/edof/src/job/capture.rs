@@ -2,13 +2,17 @@
 
 use super::depth_map::DepthMap;
 use super::error::JobError;
+use super::greys::GreyFile;
 use super::listed::{ListedScene, bytes_a_pixel, check_size};
 use super::memory;
 use super::note::PictureNote;
 use super::photograph::{self, Tones, whole_cells};
 use edof_core::camera::Camera;
+use edof_core::storage::atomic;
 use edof_core::storage::provenance::{Input, Provenance};
 use edof_core::{ColourFrame, Noise, RawFrame, Tone, cable};
+use edof_golden::video::grey;
+use edof_golden::video::greys::Greys;
 use edof_io::levels::{Black, Levels};
 use edof_io::photo;
 use edof_io::raw::{self, Alignment, Size};
@@ -129,12 +133,23 @@ impl Synthetic {
 pub struct CaptureOutputs {
     /// The raw frame; its record is written beside it.
     pub raw: PathBuf,
-    /// The frame for a playout card, with its record, and what its words stand for.
-    pub video: Option<(PathBuf, Tone)>,
+    /// The frame as video for the board, with its record.
+    pub video: Option<VideoOutput>,
     /// The sharp ground truth.
     pub sharp: Option<PathBuf>,
     /// The light on the sensor.
     pub light: Option<PathBuf>,
+}
+
+/// A frame as video for the board.
+#[derive(Debug, Clone)]
+pub struct VideoOutput {
+    /// Its file.
+    pub path: PathBuf,
+    /// What its words stand for.
+    pub values: Tone,
+    /// The greys of a PC's graphics card ([`GreyFile`]); none is a playout card, which sends every byte as it is.
+    pub greys: Option<PathBuf>,
 }
 
 impl CaptureOutputs {
@@ -187,10 +202,13 @@ impl CaptureJob {
         mut progress: impl FnMut(usize, usize, &str),
     ) -> Result<Captured, JobError> {
         let alignment = raw::writer(&self.outputs.raw).map_err(raw::RawError::from)?.alignment;
+        let greys = self.outputs.video.as_ref().and_then(|video| video.greys.as_deref());
+        let greys = greys.map(GreyFile::load).transpose()?;
         let (scene, tone, mut inputs) = self.open(note)?;
         inputs.push(self.camera.input());
         let shot = capture_told(&scene, &self.camera, &self.sensor, &self.approximation, &mut progress)?;
-        self.save(&scene, tone, &shot, alignment, &inputs)?;
+        let record = self.record(&scene, tone, &shot.raw, alignment, &inputs);
+        self.save(&scene, tone, &shot, &record, greys.as_ref())?;
         let before = shot.depths.len() + 1;
         // A bank's kernels are used as they are: nothing is approximated.
         let approximations = if self.is_measured && self.camera.psf_bank.is_none() {
@@ -265,15 +283,14 @@ impl CaptureJob {
         scene: &Scene,
         tone: Tone,
         shot: &Capture,
-        alignment: Alignment,
-        inputs: &[Input],
+        record: &RawRecord,
+        greys: Option<&Greys>,
     ) -> Result<(), JobError> {
         let CaptureOutputs { raw, video, sharp, light } = &self.outputs;
         raw::save(raw, &shot.raw)?;
-        let record = self.record(scene, tone, &shot.raw, alignment, inputs);
-        record::save(raw, &record)?;
-        if let Some((path, values)) = video {
-            save_video(path, *values, &record, &shot.raw)?;
+        record::save(raw, record)?;
+        if let Some(video) = video {
+            save_video(video, greys, record, &shot.raw)?;
         }
         if let Some(path) = sharp {
             photo::save(path, &tone.encoded(&scene.sharp()), 16)?;
@@ -331,15 +348,27 @@ fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Writes a frame for a playout card, and its record: in the values of the board's network, without a black level, which no board subtracts.
-fn save_video(path: &Path, values: Tone, record: &RawRecord, frame: &RawFrame) -> Result<(), JobError> {
+/// Writes a frame as video, and its record: in the values of the board's network, without a black level, which no board subtracts.
+fn save_video(
+    video: &VideoOutput,
+    greys: Option<&Greys>,
+    record: &RawRecord,
+    frame: &RawFrame,
+) -> Result<(), JobError> {
     let levels = Levels { black: record.black_level, white: record.white_level };
-    let sent = cable::carried(&levels.light(frame)?.encoded(values));
-    raw::save_video(path, &sent)?;
+    let light = levels.light(frame)?;
+    let words = light.encoded(video.values);
+    let (path, values) = (&video.path, video.values);
+    let sent = greys.map_or_else(|| cable::carried(&words), |_| grey::carried(&words));
+    match greys {
+        None => raw::save_video(path, &sent)?,
+        Some(greys) => atomic::write(path, &rgb(&sent, greys))?,
+    }
     let record = RawRecord {
         depth: sent.depth(),
         alignment: Alignment::Top,
-        video: Some(Size::of(&sent)),
+        // No program reads a frame back from its greys.
+        video: greys.is_none().then(|| Size::of(&sent)),
         black_level: Black::default(),
         white_level: None,
         values,
@@ -347,4 +376,10 @@ fn save_video(path: &Path, values: Tone, record: &RawRecord, frame: &RawFrame) -
         ..record.clone()
     };
     Ok(record::save(path, &record)?)
+}
+
+/// The two frames of video of a raw frame in grey: red, green and blue of each pixel.
+fn rgb(frame: &RawFrame, greys: &Greys) -> Vec<u8> {
+    let pictures = grey::halves(frame).map(|half| greys.picture(&half));
+    pictures.iter().flatten().flat_map(|grey| [*grey; 3]).collect()
 }

@@ -54,8 +54,14 @@ impl Checks {
 impl Inside {
     /// The network and the raw frame behind a picture, with their faults.
     pub(in crate::simulated) fn computed(&self, network: FixedNetwork, key: Key) -> (FixedNetwork, RawFrame) {
+        let raw = self.raw_frame(key.4);
+        (self.faults.spoil_network(network), self.faults.spoil_raw(raw))
+    }
+
+    /// The raw frame in the memory. The camera stands behind its cable, so that only `video_setup.plain` leaves all bits of it.
+    fn raw_frame(&self, source: Source) -> RawFrame {
         let frame = self.design.frame;
-        let made = match key.4 {
+        let made = match source {
             Source::Camera => None,
             Source::Pattern(code) => {
                 let of_code = Pattern::ALL.into_iter().find(|pattern| pattern.code() == code);
@@ -69,17 +75,20 @@ impl Inside {
                 .ok()
                 .and_then(|words| RawFrame::from_values(words, 16, CfaPhase::Rggb).ok()),
         };
-        let raw = made.unwrap_or_else(|| carried(&self.raw));
-        (self.faults.spoil_network(network), self.faults.spoil_raw(raw))
+        let is_plain = self.controls.get(&map::VIDEO_SETUP).is_some_and(|setup| setup & map::PLAIN != 0);
+        made.unwrap_or_else(|| if is_plain { self.raw.clone() } else { carried(&self.raw) })
     }
 
     /// A word of the host's window to the codes of the last picture.
     pub(in crate::simulated) fn picture_word(&mut self, index: usize) -> u32 {
         let corner = self.controls.get(&map::PICTURE_CORNER).copied().unwrap_or(0);
         let FrameSize { width, height, .. } = self.design.frame;
-        let (row, column) =
-            ((corner >> 16) as usize + index / TILE_SIDE, (corner & 0x1fff) as usize + index % TILE_SIDE);
+        let [row, column] = [corner >> 16, corner].map(|place| (place & 0x1fff) as usize);
+        let (row, column) = (row + index / TILE_SIDE, column + index % TILE_SIDE);
         let key = self.checks.last.filter(|_| row < height && column < width);
+        if corner & map::RAW_WORDS != 0 {
+            return key.map_or(0, |key| self.raw_frame(key.4).pixels()[(row, column)].into());
+        }
         let made = key.and_then(|key| self.made(key));
         made.map_or(0, |made| u32::from(made.pixels[row * width + column]))
     }

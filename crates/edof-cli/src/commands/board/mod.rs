@@ -2,6 +2,7 @@
 
 mod align;
 mod bank;
+mod calibrate;
 mod check;
 mod load;
 mod picture;
@@ -85,6 +86,7 @@ enum Command {
     Verify(load::Verify),
     Status(status::Args),
     Align(align::Args),
+    Calibrate(calibrate::Args),
     Check(check::Args),
     Selftest(selftest::Args),
     Picture(picture::Args),
@@ -209,6 +211,7 @@ fn carry_out(args: &Args, ui: &Ui) -> Result<(), Error> {
         Command::Verify(verify) => load::verify(args, verify, ui),
         Command::Status(status) => status::run(args, status, ui),
         Command::Align(align) => align::run(args, align, ui),
+        Command::Calibrate(calibrate) => calibrate::run(args, calibrate, ui),
         Command::Check(check) => check::run(args, check, ui),
         Command::Selftest(test) => selftest::run(args, test, ui),
         Command::Picture(picture) => picture::run(args, picture, ui),
@@ -280,6 +283,7 @@ impl Args {
         match &self.command {
             Command::Sim(sim) => sim.writes(files)?,
             Command::Picture(picture) => picture.files(files)?,
+            Command::Calibrate(calibrate) => calibrate.files(files)?,
             _ => files,
         }
         .check()

@@ -49,7 +49,7 @@ pub const PICTURE_PIXELS: Window = Window {
     address: 0x1_4000,
     bytes: 4 * crate::pattern::TILE_PIXELS as u32,
     access: Access::Status,
-    doc: "Word 64·row + column: codes of a pixel, Y' low, Cb' or Cr' high, of the last picture that passed, counted from `picture_corner`.",
+    doc: "Word 64·row + column: codes of a pixel, Y' low, Cb' or Cr' high, of the last picture that passed, counted from `picture_corner`. With `picture_corner.raw`: raw pixel words of the last raw frame.",
 };
 
 /// A block of the host's raw frame.

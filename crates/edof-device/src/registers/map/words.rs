@@ -7,7 +7,7 @@ use edof_core::display::DisplayMode;
 /// `EDOF` in ASCII: what `id` reads.
 pub const ID: u32 = u32::from_be_bytes(*b"EDOF");
 /// Version of this map: major in the upper half, minor in the lower. A client of the same major version understands the board.
-pub const VERSION: u32 = 0x0002_0004;
+pub const VERSION: u32 = 0x0002_0005;
 
 /// Address of `weights_hash`.
 pub const WEIGHTS_HASH: u32 = 0x10;
@@ -41,6 +41,12 @@ pub const FRAME_BLOCKS: u32 = 0xd8;
 pub const FRAME_BUSY: u32 = 1 << 16;
 /// Address of `picture_corner`.
 pub const PICTURE_CORNER: u32 = 0xd4;
+/// Bit of `picture_corner`: raw pixel words in place of codes.
+pub const RAW_WORDS: u32 = 1 << 31;
+/// Bit of `video_setup`: pixels are grey, two of them a word.
+pub const GREY: u32 = 1 << 1;
+/// Bit of `video_setup`: pixels are bytes of any kind.
+pub const PLAIN: u32 = 1 << 2;
 /// `video_setup` after reset: RGB to the screen, the receiver's output clock as `input_timing` has it.
 pub const VIDEO_SETUP_RESET: u32 =
     u32::from_le_bytes([0, clock_tap(input_timing::FIRST_TAP), clock_polarity(false), 0]);
