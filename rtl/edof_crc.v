@@ -34,6 +34,7 @@ module edof_crc #(
     endfunction
 
     localparam [31:0] START = after(32'hffffffff);
+    localparam [31:0] BEAT = 32'hffffffff >> (32 - WIDTH);
     wire [31:0] next;
     wire [31:0] added;
     genvar place;
@@ -41,7 +42,7 @@ module edof_crc #(
         for (place = 0; place < 32; place = place + 1) begin : places
             localparam [31:0] PARITY_OF = parity_of(place);
             assign next[place] = ^(crc_q & PARITY_OF);
-            assign added[place] = ^(data_i[WIDTH-1:0] & PARITY_OF[WIDTH-1:0]);
+            assign added[place] = ^(data_i & BEAT & PARITY_OF);
         end
     endgenerate
 

@@ -2,6 +2,7 @@
 
 use super::crc::Crc;
 use super::delay::Delay;
+use super::{Whole, whole};
 use crate::describe::{Circuit, kernel};
 use edof_device::design::MAX_FRAME_BEATS;
 use rust_hdl::prelude::*;
@@ -28,6 +29,9 @@ pub struct FrameCheck {
     last_beat: Constant<Bits<28>>,
     // Two registers of their own, a cycle after the reset: it leads to few registers each time.
     resets: Delay<2, 1>,
+    /// Bits of a beat.
+    width: Constant<Whole>,
+    #[is(WIDTH = width)]
     frame_crc: Crc,
     #[reset(false)]
     valid_q: DFF<Bit>,
@@ -52,6 +56,7 @@ impl FrameCheck {
         const { assert!(MAX_FRAME_BEATS == 1 << 28, "the beats that remain are counted in 28 bits") };
         Self::from_parts(FrameCheckParts {
             last_beat: Constant::new((beats as u64 - 1).into()),
+            width: whole(width),
             frame_crc: Crc::new(width),
         })
     }
