@@ -537,9 +537,8 @@ const LINKS: &str = "  localparam LINKS = 4;
   generate
     for (link = 0; link < LINKS; link = link + 1) begin : links
       localparam [2:0] NUMBER = link;
-      link #(.STEP(8'd1)) element (
-        .clock_i(clock_i), .number_i(NUMBER), .from_i(links_to[link + 1]), .to_o(links_to[link])
-      );
+      link #(.STEP(8'd1))
+        element (.clock_i(clock_i), .number_i(NUMBER), .from_i(links_to[link + 1]), .to_o(links_to[link]));
     end
   endgenerate
 

@@ -86,6 +86,8 @@ pub struct Stage {
     /// Outputs that are computed at a time.
     lanes: Constant<Whole>,
     outputs: Constant<Whole>,
+    /// Sets of weights.
+    sets: Constant<Whole>,
     /// 1 where the next stage is an M, so that base words are sent.
     feeds_m: Constant<Whole>,
     whole_chain: Constant<Bits<4>>,
@@ -104,7 +106,7 @@ pub struct Stage {
     ring: Optional<WindowRing>,
     sequencer: Sequencer,
     #[is(BANKS = lanes / 4)]
-    #[is(DEPTH = 2 * (outputs / lanes) * (inputs / parts + window_pixels))]
+    #[is(DEPTH = sets * (outputs / lanes) * (inputs / parts + window_pixels))]
     macc: MaccArray,
     drain: Drain,
     #[is(CYCLES = (lanes + 31) / 32)]
@@ -165,6 +167,7 @@ impl Stage {
             parts: whole(if is_dense { stage.rows } else { 1 }),
             lanes: whole(stage.lanes),
             outputs: whole(stage.outputs),
+            sets: whole(stage.sets),
             feeds_m: whole(stage.feeds_m.into()),
             whole_chain: Constant::new((WHOLE_CHAIN as u64).into()),
             read_register: Constant::new((READ_REGISTER as u64).into()),
