@@ -87,7 +87,7 @@ pub fn instances<'a>(text: &'a str) -> Vec<(String, String)> {
     let mut open = "";
     let instance = |line: &'a str| {
         let (module, rest) = line.trim().split_once(' ')?;
-        if rest.starts_with("#(") && rest.ends_with(['(', ')']) {
+        if rest == "#(" || (rest.starts_with("#(") && rest.ends_with(')')) {
             open = module;
             return None;
         }

@@ -37,6 +37,7 @@ module stage_i (
   localparam PARTS = 2;         // Parts of a vector that are read in step (I).
   localparam LANES = 16;        // Outputs that are computed at a time.
   localparam OUTPUTS = 16;
+  localparam SETS = 2;          // Sets of weights.
   localparam FEEDS_M = 1;       // 1 where the next stage is an M, so that base words are sent.
   localparam [3:0] WHOLE_CHAIN = 4'd15;
   localparam BOTH_PORTS = 1'b0;
@@ -108,7 +109,7 @@ module stage_i (
   wire [47:0] sum_even, sum_odd;
   wire [63:0] read_data;
   edof_macc_array #(
-    .BANKS(LANES / 4), .DEPTH(2 * (OUTPUTS / LANES) * (INPUTS / PARTS + WINDOW_PIXELS)), .ROWS(2),
+    .BANKS(LANES / 4), .DEPTH(SETS * (OUTPUTS / LANES) * (INPUTS / PARTS + WINDOW_PIXELS)), .ROWS(2),
     .DENSE(1), .SUM(48), .INIT("stage0_bank")
   ) macc (
     .clock_i(clock_i), .first_i(step_first), .address_a_i(address), .address_b_i(12'd0),

@@ -54,6 +54,7 @@ module stage_mf #(
 
   localparam INPUTS = 16;
   localparam PARTS = 1;                      // Parts of a vector that are read in step (I).
+  localparam SETS = 2;                       // Sets of weights.
   localparam [3:0] WHOLE_CHAIN = 4'd15;
   localparam [11:0] READ_REGISTER = 12'd3;
   localparam [31:0] SKIP_BIT = 32'd1;
@@ -133,7 +134,7 @@ module stage_mf #(
   wire [47:0] sum_even, sum_odd;
   wire [63:0] read_data;
   edof_macc_array #(
-    .BANKS(LANES / 4), .DEPTH(2 * (OUTPUTS / LANES) * (INPUTS / PARTS + WINDOW_PIXELS)), .ROWS(ROWS),
+    .BANKS(LANES / 4), .DEPTH(SETS * (OUTPUTS / LANES) * (INPUTS / PARTS + WINDOW_PIXELS)), .ROWS(ROWS),
     .DENSE(0), .SUM(48), .INIT(MACC_INIT)
   ) macc (
     .clock_i(clock_i), .first_i(step_first), .address_a_i(pair_operands_address_a),
