@@ -20,9 +20,7 @@ module prove #(
     localparam AFTER_RELEASE = B > 2 + SUM_LATENCY ? 1 + SUM_LATENCY : B - 1;
     wire released, copy, take, last, taken_set;
     wire [7:0] beat;
-    drain #(
-        .BEFORE_LAST_TAKE(B - 1), .RELEASE_AT(AFTER_RELEASE), .LAST_BEAT(VECTOR - 1), .NEEDED_CREDITS(B)
-    ) dut (
+    drain #(.LANES(2 * B), .OUTPUTS(2 * VECTOR)) dut (
         .clock_i(clock_i), .reset_i(reset_i), .pass_issued_i(pass_issued_i), .set_i(set_i), .credit_return_i(returned_i),
         .release_o(released), .copy_o(copy), .take_o(take), .beat_o(beat), .last_o(last), .take_set_o(taken_set)
     );

@@ -21,13 +21,16 @@ def stub(text):
 
 
 def sizes(module, texts):
-    """The parameters of each instance of a module, those that its parent hands down among them; nothing if one of them is no number."""
+    """The parameters of each instance of a module, those that its parent hands down among them; nothing if one of them is a formula."""
     found = set()
     for parent, text in texts.items():
-        instances = list(re.finditer(rf"^\s*{module} (?:#\((.*?)\) )?\w+ \(\n", text, re.DOTALL | re.MULTILINE))
+        instances = list(re.finditer(rf"^\s*{module} (?:#\((.*?)\)\s+)?\w+ \(", text, re.DOTALL | re.MULTILINE))
         for above in (sizes(parent, texts) or ()) if instances else ():
             for at in instances:
-                given = re.findall(r"\.(\w+)\(([^()]*)\)", re.sub(r"//[^\n]*", "", at[1] or ""))
+                said = re.sub(r"//[^\n]*", "", at[1] or "")
+                given = re.findall(r"\.(\w+)\(([^()]*)\)", said)
+                if len(given) < len(re.findall(r"\.\w+\(", said)):
+                    return None
                 numbers = tuple((name, dict(above).get(value, value)) for name, value in given if not value.startswith('"'))
                 if not all(re.fullmatch(r"\d+('[dhb][0-9a-f]+)?", value) for _, value in numbers):
                     return None

@@ -7,11 +7,11 @@
 module edof_crc #(
     parameter WIDTH = 32
 ) (
-    input  wire             clock_i,
-    input  wire [WIDTH-1:0] data_i,
-    input  wire             valid_i,
-    input  wire             first_i,
-    output wire [31:0]      crc_o
+    input  wire        clock_i,
+    input  wire [31:0] data_i,
+    input  wire        valid_i,
+    input  wire        first_i,
+    output wire [31:0] crc_o
 );
     (* anyseq *) wire [31:0] any;
     assign crc_o = any;

@@ -15,14 +15,13 @@ module prove #(
     input wire        release_i,
     input wire        steal_next_i
 );
-    localparam CODES = 3 << TWO_ROWS, PASS_ROWS = 9, SET_ROWS = 21;
+    localparam ROWS = 1 + TWO_ROWS, CODES = 3 * ROWS, PASS_ROWS = CODES + ROWS * LINEAR, SET_ROWS = PASSES * PASS_ROWS;
     wire valid_a, valid_b, first, linear, odd, set, pass_issued, finished;
     wire [8:0] read_row;
     wire [6:0] read_pixels;
     wire [11:0] base, offset;
     sequencer #(
-        .TWO_ROWS(TWO_ROWS), .HAS_LINEAR(LINEAR != 0), .LINEAR_BEFORE_LAST(LINEAR == 0 ? 0 : LINEAR - 1), .CODES(CODES),
-        .PASS_ROWS(PASS_ROWS), .SET_ROWS(SET_ROWS), .LAST_PASS(PASSES - 1)
+        .INPUTS(CODES), .PAIRS(1), .PARTS(1), .ROWS(ROWS), .WINDOW_PIXELS(ROWS * LINEAR), .LANES(1), .OUTPUTS(PASSES)
     ) dut (
         .clock_i(clock_i), .reset_i(reset_i), .arrived_i(arrived_i), .descriptor_i(descriptor_i), .release_i(release_i),
         .steal_next_i(steal_next_i), .valid_a_o(valid_a), .valid_b_o(valid_b), .first_o(first), .linear_o(linear), .odd_o(odd),

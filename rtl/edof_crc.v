@@ -1,15 +1,15 @@
-// CRC of 32 bits of a frame of beats (docs/contract.md, 9), the lowest bit of a beat first. data_i is a beat; valid_i and first_i say a cycle later
-// that it counts, and that it is its frame's first. crc_o is that of all beats from the first one on, valid a cycle after valid_i.
-// The CRC is linear: what a beat adds is made in the cycle before, and each bit is the parity of some bits of the old value.
+// CRC of 32 bits of a frame of beats (docs/contract.md, 9), the lowest bit of a beat first. A beat is the low WIDTH bits of data_i; valid_i and
+// first_i say a cycle later that it counts, and that it is its frame's first. crc_o is that of all beats from the first one on, valid a cycle
+// after valid_i. The CRC is linear: what a beat adds is made in the cycle before, and each bit is the parity of some bits of the old value.
 `default_nettype none
 module edof_crc #(
     parameter WIDTH = 32
 ) (
-    input  wire             clock_i,
-    input  wire [WIDTH-1:0] data_i,
-    input  wire             valid_i,
-    input  wire             first_i,
-    output wire [31:0]      crc_o
+    input  wire        clock_i,
+    input  wire [31:0] data_i,
+    input  wire        valid_i,
+    input  wire        first_i,
+    output wire [31:0] crc_o
 );
     reg [31:0] added_q;
     reg [31:0] crc_q;
@@ -34,6 +34,7 @@ module edof_crc #(
     endfunction
 
     localparam [31:0] START = after(32'hffffffff);
+    localparam [31:0] BEAT = 32'hffffffff >> (32 - WIDTH);
     wire [31:0] next;
     wire [31:0] added;
     genvar place;
@@ -41,7 +42,7 @@ module edof_crc #(
         for (place = 0; place < 32; place = place + 1) begin : places
             localparam [31:0] PARITY_OF = parity_of(place);
             assign next[place] = ^(crc_q & PARITY_OF);
-            assign added[place] = ^(data_i & PARITY_OF[WIDTH-1:0]);
+            assign added[place] = ^(data_i & BEAT & PARITY_OF);
         end
     endgenerate
 

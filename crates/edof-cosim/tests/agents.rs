@@ -438,9 +438,11 @@ fn broken_agents(kind: &str, port: &str, change: impl Fn(&str) -> String) -> Sou
     let (mut source, mut found) = (source(), 0);
     let is_one = |name: &str| name == format!("{kind}.v") || name.starts_with(&format!("{kind}_"));
     for (_, text) in source.files.iter_mut().filter(|(name, _)| is_one(name)) {
-        let start = format!("assign {port} = ");
+        let start = format!(" {port} = ");
         let at = text.find(&start).unwrap() + start.len();
-        let end = at + text[at..].find(';').unwrap();
+        // Names that are given to outputs stand side by side.
+        let value = text[at..].split(';').next().unwrap();
+        let end = at + value.split(", ").next().filter(|_| value.contains(" = ")).unwrap_or(value).len();
         let changed = change(&text[at..end]);
         text.replace_range(at..end, &changed);
         found += 1;

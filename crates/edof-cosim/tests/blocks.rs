@@ -83,8 +83,8 @@ struct CheckTop {
     pub narrow_frames: Signal<Out, Bits<8>>,
     pub wide_crc: Signal<Out, Bits<32>>,
     pub wide_frames: Signal<Out, Bits<8>>,
-    narrow: FrameCheck<16>,
-    wide: FrameCheck<32>,
+    narrow: FrameCheck,
+    wide: FrameCheck,
 }
 
 impl Logic for CheckTop {
@@ -93,7 +93,7 @@ impl Logic for CheckTop {
         self.narrow.clock.next = self.clock.val();
         self.narrow.reset.next = self.reset.val();
         self.narrow.valid.next = self.valid.val();
-        self.narrow.data.next = self.data.val().get_bits::<16>(0);
+        self.narrow.data.next = self.data.val();
         self.narrow.snapshot.next = self.snapshot.val();
         self.narrow_crc.next = self.narrow.crc.val();
         self.narrow_frames.next = self.narrow.frames.val();
@@ -109,7 +109,8 @@ impl Logic for CheckTop {
 
 #[test]
 fn frame_check() {
-    let top = CheckTop::from_parts(CheckTopParts { narrow: FrameCheck::new(2), wide: FrameCheck::new(7) });
+    let top =
+        CheckTop::from_parts(CheckTopParts { narrow: FrameCheck::new(16, 2), wide: FrameCheck::new(32, 7) });
     agree(top, RESET as usize, &[], |b, draw, last| {
         b.reset.next = last.cycle < RESET || draw.whole(0, 24) == 0;
         b.valid.next = bit(draw);

@@ -167,7 +167,7 @@ fn cycles_are_those_of_the_clocks_and_frames_those_that_passed() {
 
 #[test]
 fn a_window_without_an_end_is_told() {
-    let (last, never) = ("assign out_last_o = front_data[32];", "assign out_last_o = 1'b0;");
+    let (last, never) = ("out_last_o = front_data[32]", "out_last_o = 1'b0");
     let change = |project| replaced(project, "core.windows", last, never);
     let setup = Setup::changed(design(8, 8, (16, 16)), change);
     let mut rig = setup.start(&drawn(setup.design.frame, 3, 1).unwrap(), 1);

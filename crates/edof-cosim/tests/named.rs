@@ -30,12 +30,12 @@ struct Map {
     masks: [Constant<Bits<8>>; 3],
     #[signed]
     offset: Constant<Bits<8>>,
-    #[formula("CLOCK_HZ / 1000 - 2")]
+    clock_hz: Constant<Bits<32>>,
+    #[is(clock_hz / 1000 - 2)]
     time_out: Constant<Bits<8>>,
-    #[formula("CLOCK_HZ / 7")]
+    #[is(time_out / 20 + 1)]
     other: Constant<Bits<8>>,
     _words: [&'static str; 3],
-    _clock_hz: u32,
     #[names(_words)]
     value: [Signal<Local, Bits<8>>; 3],
     scratch: DFF<Bits<8>>,
@@ -51,10 +51,8 @@ impl Default for Map {
             addr: [0, 3, 9].map(|word: u64| Constant::new(word.into())),
             masks: [0xff, 0x3c, 0xff].map(|mask: u64| Constant::new(mask.into())),
             offset: number(0xfb),
-            time_out: number(98),
-            other: number(5),
+            clock_hz: Constant::new(100_000_u64.into()),
             _words: WORDS,
-            _clock_hz: 100_000,
         })
     }
 }
@@ -142,9 +140,9 @@ fn a_map_of_registers_reads_as_a_case() {
     let text = &emit(&mut Map::default()).modules[0].text;
     for words in [
         "localparam [3:0] ADDR_ID = 4'd0, ADDR_STATUS = 4'd3, ADDR_SCRATCH = 4'd9;",
-        "localparam [7:0] OFFSET = -8'sd5, OTHER = 8'd5;",
+        "localparam [7:0] OFFSET = -8'sd5;",
         "localparam CLOCK_HZ = 100_000;",
-        "localparam [31:0] TIME_OUT = CLOCK_HZ / 1000 - 2;",
+        "localparam [31:0] TIME_OUT = CLOCK_HZ / 1000 - 2, OTHER = TIME_OUT / 20 + 1;",
         "assign late_o = wait_count_q == TIME_OUT[7:0];",
         "    known_q <= write_i;\n    case (address_i)\n",
         "      ADDR_STATUS: read_q <= value_status & 8'h3c;\n      ADDR_SCRATCH: read_q <= scratch_q;\n",

@@ -127,11 +127,11 @@ fn every_module_is_printed_in_style() {
     let text = |name: &str| &board.modules.iter().find(|module| module.name == name).unwrap().text;
     for (module, words) in [
         ("board_registers", "ADDR_INPUT_FRAMES: found_1_q <= input_frames_i;"),
-        ("chip_setup", "localparam [31:0] MILLISECOND = CLOCK_HZ / 1000 - 2;"),
-        ("i2c_master", "localparam [31:0] QUARTER = CLOCK_HZ / 400_000 - 2;"),
-        ("i2c_master", "localparam [31:0] HOLD = CLOCK_HZ / 250;"),
-        ("uart_bus", "localparam [31:0] TIME_OUT = CLOCK_HZ / 10;"),
-        ("video_in", "localparam [31:0] MAX_WAIT = 4 * FRAME_CYCLES;"),
+        ("chip_setup", " MILLISECOND = CLOCK_HZ / 1000 - 2"),
+        ("i2c_master", " QUARTER = CLOCK_HZ / 400_000 - 2"),
+        ("i2c_master", " HOLD = CLOCK_HZ / 250"),
+        ("uart_bus", " TIME_OUT = CLOCK_HZ / 10"),
+        ("video_in", " MAX_WAIT = 4 * FRAME_CYCLES"),
     ] {
         assert!(text(module).contains(words), "{module}: {words}");
     }
@@ -139,6 +139,21 @@ fn every_module_is_printed_in_style() {
         let words = format!("ADDR_{name} = 6'd{}", register.address / 4);
         assert!(text("board_registers").contains(&words), "{words}");
     }
+}
+
+#[test]
+fn no_block_stands_twice_in_what_is_written_by_hand() {
+    let folder = crate::common::root().join("rtl");
+    let files = [folder.clone(), folder.join("ecp5")]
+        .map(|folder| fs::read_dir(folder).unwrap())
+        .into_iter()
+        .flatten();
+    let texts =
+        files.map(|file| file.unwrap().path()).filter(|path| path.extension().is_some_and(|end| end == "v"));
+    let found =
+        texts.map(|path| (path.clone(), copy(&fs::read_to_string(path).unwrap()))).collect::<Vec<_>>();
+    assert!(found.len() > LEAVES.len(), "leaves and the board's top");
+    assert!(found.iter().all(|(_, copy)| copy.is_none()), "{found:?}");
 }
 
 #[test]

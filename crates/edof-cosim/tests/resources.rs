@@ -152,8 +152,8 @@ fn self_check(design: &Design) -> [usize; 2] {
     };
     let shown = ["<= check_", "<= core_cycles_i", "<= input_cycles_i", "<= screen_cycles_i"];
     let parts = [
-        (3, of(&mut FrameCheck::<16>::new(pixels))),
-        (checks, of(&mut FrameCheck::<32>::new(pixels / 2))),
+        (3, of(&mut FrameCheck::new(16, pixels))),
+        (checks, of(&mut FrameCheck::new(32, pixels / 2))),
         (1, of(&mut PatternSource::new(design.frame))),
         (1, of(&mut PictureWindow::new())),
         (3, of(&mut CycleCount::default())),

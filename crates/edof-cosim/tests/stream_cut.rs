@@ -39,12 +39,18 @@ fn every_beat_passes_once_and_in_order() {
     }
 }
 
+/// Changes what is assigned to an output, alone or beside others.
+fn change(text: &mut String, output: &str, by: &str) {
+    let start = text.find(&format!(" {output} = ")).unwrap() + output.len() + 4;
+    let end = start + text[start..].find([',', ';']).unwrap();
+    text.insert_str(end, by);
+}
+
 #[test]
 fn a_stream_that_takes_its_offers_back_is_found_out() {
     let mut source = source();
     let (_, text) = source.files.iter_mut().find(|(name, _)| name.starts_with("stream_cut")).unwrap();
-    let valid = text.lines().find(|line| line.contains("assign to_valid_o = ")).unwrap().to_string();
-    *text = text.replace(&valid, &valid.replace(';', " && from_valid_i;"));
+    change(text, "to_valid_o", " && from_valid_i");
     let error = through(&source, 1).unwrap_err().to_string();
     assert!(error.starts_with("to, edge ") && error.contains("no longer offered"), "{error}");
 }
@@ -53,8 +59,7 @@ fn a_stream_that_takes_its_offers_back_is_found_out() {
 fn a_beat_that_changes_while_it_stands_is_found_out() {
     let mut source = source();
     let (_, text) = source.files.iter_mut().find(|(name, _)| name.starts_with("stream_cut")).unwrap();
-    let data = text.lines().find(|line| line.contains("assign to_data_o = ")).unwrap().to_string();
-    *text = text.replace(&data, &data.replace(';', " ^ from_data_i;"));
+    change(text, "to_data_o", " ^ from_data_i");
     let error = through(&source, 1).unwrap_err().to_string();
     assert!(error.contains("changed before it was taken"), "{error}");
 }

@@ -54,6 +54,7 @@ fn keeps_its_limits(name: &str) {
         };
         assert!(stage.kinds.len() == timing::KINDS && stage.kinds.iter().all(is_free), "{told}");
         assert!(stage.strays.is_empty(), "{told}");
+        assert!(stage.crossed.0 <= timing::MAX_CROSSED, "{told}");
         assert!(stage.path.len() > stage.levels, "{told}");
         // The path is the source's own, and no clock is taken for a net of control.
         assert!(stage.path.iter().any(|step| !step.net.is_empty()), "{told}");

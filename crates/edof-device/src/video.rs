@@ -107,11 +107,11 @@ impl VideoTiming {
         format!("{} at {:.0} Hz", self.size(), self.frames_per_second())
     }
 
-    /// Returns the pixel cycles without an edge of the vertical sync after which there is no signal: four frames, as far as 24 bits go.
+    /// Returns the pixel cycles without an edge of the vertical sync after which there is no signal: four frames, as far as 24 bits go; a multiple of 4.
     #[must_use]
     pub fn signal_time_out(self) -> u32 {
         let frames = 4 * self.line.total() * self.frame.total();
-        u32::try_from(frames).unwrap_or(u32::MAX).min((1 << 24) - 1)
+        u32::try_from(frames).unwrap_or(u32::MAX).min((1 << 24) - 4)
     }
 
     /// Frames per second.

@@ -11,7 +11,7 @@ use edof_device::design::stage::GROUP_BANKS;
 use std::fmt::Write;
 
 /// Largest share of its places that a block takes, in percent.
-const MAX_FILL: usize = 80;
+pub const MAX_FILL: usize = 80;
 
 /// A group of banks and its rows of DSP48E1; a row of RAMB36E1 is two of these.
 struct Block {
@@ -63,6 +63,43 @@ fn blocks_of(design: &Design, columns: Columns, instance: &str) -> Vec<Block> {
     blocks
 }
 
+/// What a block of the floorplan takes of its places.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fill {
+    /// Name of the block.
+    pub block: String,
+    /// DSP48E1 that are used, and places for them.
+    pub multipliers: (usize, usize),
+    /// RAMB36E1 that are used, and places for them.
+    pub memories: (usize, usize),
+}
+
+impl Fill {
+    /// Returns the shares of multipliers and of memories that are used, in percent.
+    #[must_use]
+    pub const fn percent(&self) -> [usize; 2] {
+        [100 * self.multipliers.0 / self.multipliers.1, 100 * self.memories.0 / self.memories.1]
+    }
+}
+
+impl Block {
+    fn fill(&self, columns: Columns) -> Fill {
+        let (dsp_columns, _) = columns.multipliers;
+        Fill {
+            block: self.name.clone(),
+            multipliers: (self.dsps, self.rows * dsp_columns),
+            memories: (self.rams, self.rows / 2 * columns.full_memories()),
+        }
+    }
+}
+
+/// Returns how full each block of a design's floorplan is; none where its board's part has no floorplan, or too few multipliers.
+#[must_use]
+pub fn fills(design: &Design) -> Vec<Fill> {
+    let of = |columns| blocks_of(design, columns, "").iter().map(|block| block.fill(columns)).collect();
+    design.board.part.columns.map_or(vec![], of)
+}
+
 /// Returns the lines of `floorplan.xdc` for a part with these columns, whose calculator is inside of the instance `instance` of the design's
 /// top.
 #[must_use]
@@ -73,23 +110,20 @@ pub fn lines(design: &Design, columns: Columns, instance: &str) -> String {
         text.push_str("\n# This design has more multipliers than the part.\n");
     }
     for block in blocks {
-        let (dsp_columns, _) = columns.multipliers;
-        let (dsps, rams) = (block.rows * dsp_columns, block.rows / 2 * columns.full_memories());
+        let fill = block.fill(columns);
+        let ((dsps, dsp_places), (rams, ram_places)) = (fill.multipliers, fill.memories);
+        let [of_dsps, of_rams] = fill.percent();
         let (last, column, ram_column) =
-            (block.first + block.rows - 1, dsp_columns - 1, columns.memories - 1);
+            (block.first + block.rows - 1, columns.multipliers.0 - 1, columns.memories - 1);
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
-            "\n# {0} of {dsps} DSP48E1 ({1} %), {2} of {rams} RAMB36E1 ({3} %).\n\
+            "\n# {dsps} of {dsp_places} DSP48E1 ({of_dsps} %), {rams} of {ram_places} RAMB36E1 ({of_rams} %).\n\
              create_pblock {name}\nadd_cells_to_pblock {name} [get_cells {{{cells}}}]\n\
-             resize_pblock {name} -add {{DSP48_X0Y{4}:DSP48_X{column}Y{last} RAMB36_X0Y{5}:RAMB36_X{ram_column}Y{6}}}",
-            block.dsps,
-            100 * block.dsps / dsps,
-            block.rams,
-            100 * block.rams / rams,
-            block.first,
-            block.first / 2,
-            last / 2,
+             resize_pblock {name} -add {{DSP48_X0Y{first}:DSP48_X{column}Y{last} RAMB36_X0Y{ram_first}:RAMB36_X{ram_column}Y{ram_last}}}",
+            first = block.first,
+            ram_first = block.first / 2,
+            ram_last = last / 2,
             name = block.name,
             cells = block.cells,
         );

@@ -43,7 +43,8 @@ impl Project {
         let text = self.text(&file)?;
         let drives = |line: &str| {
             let line = line.trim_start();
-            line.starts_with(&format!("assign {port} =")) || line.starts_with(&format!("{port} ="))
+            let is_assigned = line.starts_with("assign ") && line.contains(&format!(" {port} = "));
+            is_assigned || line.starts_with(&format!("{port} ="))
         };
         let at = text
             .lines()
@@ -65,6 +66,9 @@ impl Project {
         let end = text.find(&format!(" {instance} ("))?;
         let start = |end: usize| text[..end].rfind('\n').map_or(0, |at| at + 1);
         let mut at = start(end);
+        if text[at..end].trim().is_empty() {
+            at = start(at - 1);
+        }
         if text[at..].trim_start().starts_with(')') {
             at = start(text[..at].rfind("#(\n")?);
         }

@@ -35,6 +35,15 @@ fn no_block_of_a_floorplan_is_fuller_than_its_limit_and_all_multipliers_are_in_o
             assert!(100 * rams <= 80 * (rows / 2) * ram_columns, "{block:?}");
             assert!(first % 2 == 0 && *end <= all_rows, "{block:?}");
         }
+        // The figures of `edof timing` are those of the text.
+        let fills = floorplan::fills(&design);
+        let told: Vec<[usize; 2]> = fills.iter().map(|fill| [fill.multipliers.0, fill.memories.0]).collect();
+        assert_eq!(told, blocks.iter().map(|block| [block[0], block[1]]).collect::<Vec<_>>());
+        for (fill, [dsps, rams, first, end]) in fills.iter().zip(&blocks) {
+            let places = [(end - first) * dsp_columns, (end - first) / 2 * ram_columns];
+            assert_eq!(fill.percent(), [100 * dsps / places[0], 100 * rams / places[1]], "{fill:?}");
+            assert!(fill.percent().iter().all(|percent| *percent <= floorplan::MAX_FILL), "{fill:?}");
+        }
         let dsps: usize = blocks.iter().map(|block| block[0]).sum();
         assert_eq!(dsps, design.stages().map(|plan| plan.dsps()).sum::<usize>());
     }

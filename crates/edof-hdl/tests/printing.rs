@@ -73,13 +73,10 @@ const SEQUENCER: &str = "\
 // Fills for 16 cycles, drains for one.
 //
 // A pulse starts the count.
-//
-// No output follows an input within the cycle.
 // From crates/edof-hdl/tests/printing.rs (Sequencer).
 `default_nettype none
 module sequencer (
   input wire clock_i,
-
   input wire start_i,
   output wire busy_o
 );
@@ -249,8 +246,7 @@ fn leaves_are_instances() {
     at_q <= at_q + 4'd1;
   end
 
-  // Not every bit of these is read.
-  wire unused = ^memory_data;"
+  wire unused = ^memory_data; // Not every bit is read."
     );
     assert!(verilog::emit(&top).unwrap().leaves.contains("a_memory"));
 }
@@ -307,8 +303,7 @@ fn names_are_verilog_and_say_what_is_not_used() {
     value_q <= logic_;
   end
 
-  // Not every bit of these is read.
-  wire unused = ^always_o_shifted;"
+  wire unused = ^always_o_shifted; // Not every bit is read."
     );
 }
 
@@ -336,7 +331,7 @@ fn values_that_do_not_overlap_are_joined_side_by_side() {
     assert_eq!(
         body(&mut Places::default()),
         "  assign joined_o = {1'b0, narrow_i, 1'b0, narrow_i, 3'd0, bit_i};
-  assign mixed_o = ({9'd0, narrow_i} << 2) | {9'd0, narrow_i};"
+  assign mixed_o = {7'd0, narrow_i, 2'd0} | {9'd0, narrow_i};"
     );
 }
 
@@ -517,7 +512,6 @@ module link #(
   parameter [7:0] STEP = 8'd1 // What is added.
 ) (
   input wire clock_i,
-
   input wire [2:0] number_i, // Which link it is.
   input wire [7:0] from_i,
   output wire [7:0] to_o     // What came in a cycle ago.
@@ -543,9 +537,8 @@ const LINKS: &str = "  localparam LINKS = 4;
   generate
     for (link = 0; link < LINKS; link = link + 1) begin : links
       localparam [2:0] NUMBER = link;
-      link #(.STEP(8'd1)) element (
-        .clock_i(clock_i), .number_i(NUMBER), .from_i(links_to[link + 1]), .to_o(links_to[link])
-      );
+      link #(.STEP(8'd1))
+        element (.clock_i(clock_i), .number_i(NUMBER), .from_i(links_to[link + 1]), .to_o(links_to[link]));
     end
   endgenerate
 

@@ -1,11 +1,15 @@
 //! What the circuit says of itself.
 
-use crate::fields::Circuit;
+use crate::fields::{Circuit, Part};
+use crate::formula::Formula;
 use proc_macro2::TokenStream;
 use quote::quote;
-use syn::Ident;
 
 pub fn tokens(circuit: &Circuit) -> TokenStream {
+    described(circuit).unwrap_or_else(syn::Error::into_compile_error)
+}
+
+fn described(circuit: &Circuit) -> syn::Result<TokenStream> {
     let (name, (generics, arguments, clause)) = (circuit.name, circuit.generics.split_for_impl());
     let (text, doc) = (name.to_string(), &circuit.doc);
     let fields: Vec<_> = circuit.hardware().map(|field| field.name).collect();
@@ -20,26 +24,11 @@ pub fn tokens(circuit: &Circuit) -> TokenStream {
     });
     let literals = circuit.hardware().filter(|field| field.is_literal).map(|field| field.name.to_string());
     let signed = circuit.hardware().filter(|field| field.is_signed).map(|field| field.name.to_string());
-    let formulas = circuit.hardware().filter_map(|field| {
-        let (key, formula) = (field.name.to_string(), field.formula.as_ref()?);
-        let text = formula.value();
-        let words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
-        let given = words.filter(|word| word.starts_with(char::is_alphabetic)).map(|word| {
-            let data = Ident::new(&format!("_{}", word.to_lowercase()), formula.span());
-            quote!((#word, ::core::primitive::i128::from(self.#data)))
-        });
-        Some(quote! {
-            ::edof_verilog::describe::Formula {
-                field: #key,
-                text: #formula,
-                given: ::std::vec![#(#given),*],
-            }
-        })
-    });
     let role = match &circuit.role {
         Some(field) => quote!(::std::string::ToString::to_string(&self.#field)),
         None => sizes(circuit),
     };
+    let formulas = formulas(circuit)?;
     let around = circuit.registers.as_ref().map(|_| {
         quote! {
             found.around(
@@ -48,7 +37,7 @@ pub fn tokens(circuit: &Circuit) -> TokenStream {
             );
         }
     });
-    quote! {
+    Ok(quote! {
         impl #generics ::edof_verilog::describe::Circuit for #name #arguments #clause {
             fn describe(&self, key: &str, found: &mut ::edof_verilog::describe::Descriptions) {
                 let description = ::edof_verilog::describe::Description {
@@ -68,7 +57,31 @@ pub fn tokens(circuit: &Circuit) -> TokenStream {
                 });
             }
         }
-    }
+    })
+}
+
+/// What constants and parameters of leaves follow from.
+fn formulas(circuit: &Circuit) -> syn::Result<Vec<TokenStream>> {
+    let all = circuit.hardware().flat_map(|field| field.formulas.iter().map(move |formula| (field, formula)));
+    let one = |(field, formula): (&Part, &Formula)| {
+        let (key, text, value) = (field.name.to_string(), formula.verilog()?, formula.rust()?);
+        let parameter = formula.parameter.as_ref().map(ToString::to_string).unwrap_or_default();
+        let names = formula.names()?;
+        let keys = names.iter().map(ToString::to_string);
+        Ok(quote! {
+            ::edof_verilog::describe::Formula {
+                field: #key,
+                parameter: #parameter,
+                text: #text,
+                names: &[#(#keys),*],
+                value: {
+                    #(let #names = ::edof_verilog::formula::whole(&self.#names);)*
+                    #value
+                },
+            }
+        })
+    };
+    all.map(one).collect()
 }
 
 /// `w8_n3` of a type with the numbers `W` and `N`, which tell its modules apart.

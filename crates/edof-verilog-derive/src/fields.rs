@@ -1,8 +1,8 @@
 //! What the struct says: its fields, their documentation, and which of them start by themselves.
 
+use crate::formula::{self, Formula};
 use syn::{
-    Attribute, Data, DeriveInput, Expr, ExprLit, Field, Fields, Generics, Ident, Lit, LitStr, Meta, Type,
-    Visibility,
+    Attribute, Data, DeriveInput, Expr, ExprLit, Field, Fields, Generics, Ident, Lit, Meta, Type, Visibility,
 };
 
 /// Types that have a start value wherever they stand. Ports, the public fields, always have one: signals, or bundles of signals.
@@ -42,8 +42,8 @@ pub struct Part<'a> {
     pub is_literal: bool,
     /// A constant of unsigned type that is two's complement.
     pub is_signed: bool,
-    /// What a constant is calculated from.
-    pub formula: Option<LitStr>,
+    /// What it, or its parameters, follow from.
+    pub formulas: Vec<Formula>,
 }
 
 /// How a field gets its first value.
@@ -54,6 +54,8 @@ pub enum Start {
     Elements,
     /// The constructor sets it.
     Given,
+    /// It follows from other constants.
+    Derived,
 }
 
 impl<'a> Circuit<'a> {
@@ -67,12 +69,20 @@ impl<'a> Circuit<'a> {
             let is_data = name.to_string().starts_with('_');
             let is_list = last_name(&field.ty).is_some_and(|name| name == "Vec");
             let is_port = !is_data && !is_list && matches!(field.vis, Visibility::Public(_));
-            let start = said.start(is_port, &field.ty);
+            let formulas = formula::of(field)?;
+            let is_constant = last_name(&field.ty).is_some_and(|name| name == "Constant");
+            if let Some(wrong) = formulas.iter().find(|one| one.parameter.is_none() != is_constant) {
+                let wanted = "`#[is(value)]` is for a Constant, `#[is(PARAMETER = value)]` for a leaf";
+                return Err(syn::Error::new_spanned(&wrong.value, wanted));
+            }
+            let start = match is_constant && !formulas.is_empty() {
+                true => Start::Derived,
+                false => said.start(is_port, &field.ty),
+            };
             let reset = reset_of(field, said.registers.as_ref())?;
             let names = attribute(field, "names").map(Attribute::parse_args).transpose()?;
             let is_literal = attribute(field, "literal").is_some();
             let is_signed = attribute(field, "signed").is_some();
-            let formula = attribute(field, "formula").map(Attribute::parse_args).transpose()?;
             let doc = documentation(&field.attrs);
             Ok(Part {
                 name,
@@ -84,7 +94,7 @@ impl<'a> Circuit<'a> {
                 names,
                 is_literal,
                 is_signed,
-                formula,
+                formulas,
             })
         };
         let fields = named.named.iter().map(part).collect::<syn::Result<_>>()?;

@@ -6,6 +6,7 @@
 //! | walk | `block` | rust-hdl's `Block` |
 //! | say | `description` | `edof_verilog::describe::Circuit`: name, source, header, comments |
 //! | clock | `registers` | what registers do before the kernel and after it |
+//! | derive | `formula` | constants that follow from others |
 //! | make | `make` | `from_parts`, or `Default` |
 //! | mark | `kernel` | rust-hdl's `hdl_gen`, each statement with its line |
 
@@ -14,6 +15,7 @@
 mod block;
 mod description;
 mod fields;
+mod formula;
 mod kernel;
 mod make;
 mod registers;
@@ -42,9 +44,10 @@ use syn::{DeriveInput, parse_macro_input};
 /// if that is the ninth name, and of constants `addr` it is `ADDR_STATUS`. Constants with `#[literal]` are printed as their values,
 /// those with `#[signed]` as two's complement.
 ///
-/// `#[formula("CLOCK_HZ / 10")]` on a constant prints what it is calculated from, with the value of the data field `_clock_hz`, if the result is
-/// the constant's value.
-#[proc_macro_derive(Circuit, attributes(circuit, reset, names, literal, signed, formula))]
+/// `#[is(lanes / 2 - 1)]` on a `Constant` computes it from other constants of the block, so that `from_parts` does not ask for it. The Verilog
+/// has the same formula in a `localparam`. `#[is(DEPTH = 2 * codes)]` on a part that is a leaf says what a parameter of the leaf follows from; the
+/// backend rejects a leaf that has another value. A constant that formulas alone name is a whole number without a width.
+#[proc_macro_derive(Circuit, attributes(circuit, is, reset, names, literal, signed))]
 pub fn derive_circuit(input: TokenStream) -> TokenStream {
     let input = parse_macro_input!(input as DeriveInput);
     fields::Circuit::read(&input)

@@ -26,10 +26,10 @@ pub(crate) fn together(statements: Vec<Statement>) -> Vec<Statement> {
     let mut rest = statements.into_iter().peekable();
     while let Some(first) = rest.next() {
         let mut run = vec![first];
-        while let Some(next) = rest.next_if(|next| is_silent(next) || joins(&run, next)) {
+        while let Some(next) = rest.next_if(|next| next.is_silent() || joins(&run, next)) {
             run.push(next);
         }
-        let silent = run.iter().rev().take_while(|statement| is_silent(statement)).count();
+        let silent = run.iter().rev().take_while(|statement| statement.is_silent()).count();
         let after = run.split_off(run.len() - silent);
         match exclusive(&run).and_then(|(subject, arms)| as_case(subject, arms, &mut kept)) {
             Some(case) => kept.push(case),
@@ -38,11 +38,6 @@ pub(crate) fn together(statements: Vec<Statement>) -> Vec<Statement> {
         kept.extend(after);
     }
     kept
-}
-
-/// A comment without words.
-fn is_silent(statement: &Statement) -> bool {
-    matches!(statement, Statement::Comment(note) if note.text.is_empty())
 }
 
 /// Whether the statement compares the subject of the others, which they leave as it is, with another number.
@@ -58,7 +53,7 @@ fn joins(run: &[Statement], next: &Statement) -> bool {
 /// Subject and arms of statements `if (s == 1) …` without an `else`.
 fn exclusive(run: &[Statement]) -> Option<(Expression, Vec<Arm>)> {
     let mut found: Option<(Expression, Vec<Arm>)> = None;
-    for statement in run.iter().filter(|statement| !is_silent(statement)) {
+    for statement in run.iter().filter(|statement| !statement.is_silent()) {
         let (subject, arms, otherwise) = comparisons(statement)?;
         if !otherwise.is_empty() {
             return None;

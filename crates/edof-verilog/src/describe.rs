@@ -60,22 +60,40 @@ pub struct Description {
     pub literals: &'static [&'static str],
     /// Constants of unsigned type that are two's complement.
     pub signed: &'static [&'static str],
-    /// Constants that are calculated.
+    /// What constants, and parameters of leaves, follow from.
     pub formulas: Vec<Formula>,
 }
 
-/// What a constant is calculated from.
+/// What a constant, or a parameter of a leaf, follows from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Formula {
-    /// Field of the constant.
+    /// The constant, or the part that is a leaf.
     pub field: &'static str,
-    /// Arithmetic of whole numbers and names, for instance `CLOCK_HZ / 10`.
+    /// The leaf's parameter; empty for a constant.
+    pub parameter: &'static str,
+    /// The formula in Verilog, each constant that it names in braces.
     pub text: &'static str,
-    /// The names in it, and their values.
-    pub given: Vec<(&'static str, i128)>,
+    /// The constants that it names.
+    pub names: &'static [&'static str],
+    /// Its value.
+    pub value: u64,
+}
+
+impl Formula {
+    /// The formula with the constants as the block calls them.
+    #[must_use]
+    pub fn plain(&self) -> String {
+        self.text.replace(['{', '}'], "")
+    }
 }
 
 impl Description {
+    /// What a constant follows from, or a parameter of a leaf.
+    #[must_use]
+    pub fn formula(&self, field: &str, parameter: &str) -> Option<&Formula> {
+        self.formulas.iter().find(|formula| formula.field == field && formula.parameter == parameter)
+    }
+
     /// What is said of a field.
     #[must_use]
     pub fn of(&self, field: &str) -> Option<&'static str> {

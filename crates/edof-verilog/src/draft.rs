@@ -6,7 +6,7 @@ use rust_hdl::prelude::Verilog;
 
 use crate::arrays::{self, Array, Pin, count_name};
 use crate::collect::Tree;
-use crate::constants::{INTEGER, formula};
+use crate::constants::INTEGER;
 use crate::cycles::{self, Path};
 use crate::describe::Description;
 use crate::error::{EmitError, Fault, rust_path};
@@ -99,6 +99,7 @@ pub(crate) fn draft(
         kinds,
         printer: Printer::new(&scope, &wired.resolved, &signal_names, &mut names),
         declared: 0,
+        named: BTreeSet::new(),
     };
     let (sheet, values, instances) = writer.sheet()?;
     let number = |id: SignalId| ports_of.iter().position(|port| *port == id);
@@ -141,8 +142,11 @@ impl Logic {
         };
         let blocks: Vec<Process> = process::split(scope, statements)?.into_iter().map(tidy).collect();
         let cut = quieten(scope, cycles::cut(scope, blocks.clone(), paths)?, paths);
-        let simple = cut.into_iter().map(tidy).map(|process| tidy(simplify::simplify(scope, process)));
-        let processes = simple.chain(edge.map(tidy)).collect();
+        let simple = |process: Process| match style {
+            Style::Readable => tidy(simplify::simplify(scope, tidy(process))),
+            Style::Literal => process,
+        };
+        let processes = cut.into_iter().map(simple).chain(edge.map(tidy)).collect();
         Ok(Self { blocks, processes })
     }
 }
@@ -307,9 +311,9 @@ fn name_signals(
 /// A constant with a formula is a whole number, of which as many bits are read as the constant has.
 fn select_formulas(scope: &Scope, description: &Description, names: &mut [String]) {
     for (signal, name) in scope.signals.iter().zip(names) {
-        if let Role::Constant(digits) = &signal.role
-            && signal.ty.bits < INTEGER
-            && formula(description, &signal.key, digits).is_some()
+        if matches!(signal.role, Role::Constant(_))
+            && (2..INTEGER).contains(&signal.ty.bits)
+            && description.formula(&signal.key, "").is_some()
         {
             *name += &range(0, signal.ty.bits);
         }

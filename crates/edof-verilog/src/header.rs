@@ -12,10 +12,11 @@ impl Writer<'_> {
         let text: String = reflowed(self.description.header).iter().map(|text| line(text)).collect();
         let follows: String = self.follows().iter().map(|text| line(text)).collect();
         let source = format!("// From {} ({}).\n", self.source, self.description.name);
-        format!("{text}//\n{follows}{source}")
+        let space = if follows.is_empty() { "" } else { "//\n" };
+        format!("{text}{space}{follows}{source}")
     }
 
-    /// Which outputs follow which inputs within the cycle.
+    /// Which outputs follow which inputs within the cycle; nothing where none does.
     fn follows(&self) -> Vec<String> {
         let name = |id: &SignalId| self.signal_name(*id).to_string();
         let mut groups: Vec<(BTreeSet<SignalId>, Vec<String>)> = vec![];
@@ -26,15 +27,6 @@ impl Writer<'_> {
                 Some((_, outputs)) => outputs.push(name(output)),
                 None => groups.push((from, vec![name(output)])),
             }
-        }
-        let all_registered = groups.iter().all(|(from, _)| from.is_empty());
-        if all_registered || groups.is_empty() {
-            let has_registers = !groups.is_empty() && !self.scope.registers.is_empty();
-            return if has_registers {
-                vec!["No output follows an input within the cycle.".into()]
-            } else {
-                vec![]
-            };
         }
         let line = |(from, outputs): &(BTreeSet<SignalId>, Vec<String>)| {
             let from: Vec<String> = from.iter().map(name).collect();

@@ -86,7 +86,7 @@ impl Writer<'_> {
             instance: Instance { of, name, parameters, pins, turns },
             values,
             count: Some((
-                Constant { name: count, of_type: String::new(), comment: String::new() },
+                Constant { name: count, of_type: String::new(), comment: String::new(), formula: None },
                 Value::number(array.parts.len()),
             )),
             of: part.index,
@@ -111,10 +111,17 @@ fn parameters(kind: &Kind, last: Option<(&Kind, &str)>) -> (Of, Vec<LeafParamete
         });
         match numbered {
             Some((before, digits, after)) => (
-                LeafParameter { name: name.clone(), numbered: Some(format!(", {digits}, \"{after}")) },
+                LeafParameter {
+                    name: name.clone(),
+                    numbered: Some(format!(", {digits}, \"{after}")),
+                    formula: None,
+                },
                 Value::plain(format!("{before}\"")),
             ),
-            None => (LeafParameter { name: name.clone(), numbered: None }, Value::plain(text.clone())),
+            None => (
+                LeafParameter { name: name.clone(), numbered: None, formula: None },
+                Value::plain(text.clone()),
+            ),
         }
     };
     let (parameters, values) = leaf.parameters.iter().enumerate().map(of).unzip();

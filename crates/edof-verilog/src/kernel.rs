@@ -21,6 +21,13 @@ pub(crate) enum Statement {
     Case { subject: Expression, arms: Vec<Arm>, default: Option<Vec<Statement>> },
 }
 
+impl Statement {
+    /// A comment without words.
+    pub fn is_silent(&self) -> bool {
+        matches!(self, Self::Comment(note) if note.text.is_empty())
+    }
+}
+
 /// What the kernel says of the statement behind it.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Note {

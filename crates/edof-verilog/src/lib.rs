@@ -14,11 +14,11 @@
 //! | tidy | `tidy`, `cases` | comparisons and chains of `if` in the form that people write |
 //! | split | `edge`, `settle`, `process`, `cycles` | what registers take at the clock's edge, and a process for each other target; no loop without a register |
 //! | separate | `domains` | nothing from one clock domain to another but by a leaf that is declared a crossing |
-//! | shorten | `simplify`, `live` | one assignment where it says all; nothing that leads nowhere |
+//! | shorten | `simplify`, `flags`, `live` | one assignment where it says all; nothing that leads nowhere |
 //! | join | `blocks` | one `always @*` for a block of the kernel, where that looks like no loop |
 //! | connect | `wiring`, `arrays` | signals that need no wire of their own; loops over equal parts |
 //! | write | `draft`, `write`, `header`, `constants`, `instances`, `statements`, `print`, `text` | a sheet: all of a module but what it is given |
-//! | share | `parameters`, `interface` | which values are parameters, because they differ from place to place |
+//! | share | `parameters`, `interface`, `formula` | which values are parameters, because they differ from place to place, and which follow from others |
 //! | put together | `sheet`, `layout` | the text of a module, no line too long |
 //!
 //! What comes out is Verilog-2001, one module for each distinct block, with parameters where two differ in a
@@ -38,6 +38,7 @@ mod cases;
 extern crate self as edof_verilog;
 
 pub mod describe;
+pub mod formula;
 pub mod leaf;
 
 mod collect;
@@ -48,6 +49,7 @@ mod draft;
 mod edge;
 mod error;
 mod expression;
+mod flags;
 mod flow;
 mod header;
 mod instances;

@@ -1,7 +1,8 @@
 //! Which values of a module are the same wherever it stands, and which are its parameters.
 //!
 //! A slot that has one value in the whole circuit is printed where it stands. One that differs is a parameter, and a parameter of what
-//! instantiates the module too if it differs from one of those to the next. Parameters of one name that always agree are one.
+//! instantiates the module too if it differs from one of those to the next. Parameters of one name that always agree are one. What follows from
+//! others is never a parameter.
 
 use crate::interface::{Interface, Origin, Parameter, Slot};
 use crate::kind::Occurrence;
@@ -47,8 +48,11 @@ impl<'a> Settling<'a> {
         let mut interface =
             Interface { passed: vec![vec![]; self.sheet.instances.len()], ..Interface::default() };
         let fixed = |value: &Value| Slot { text: value.text.clone(), is_parameter: false };
-        interface.slots =
-            (0..self.sheet.slots()).map(|slot| fixed(self.value(0, Origin::Slot(slot)))).collect();
+        let derived = |formula: &str| Slot { text: formula.into(), is_parameter: false };
+        let slots = self.sheet.formulas().enumerate();
+        interface.slots = slots
+            .map(|(slot, formula)| formula.map_or_else(|| fixed(self.value(0, Origin::Slot(slot))), derived))
+            .collect();
         let mut given: Vec<(Origin, String)> = vec![];
         for group in groups.iter().filter(|group| group.column.iter().any(|value| *value != group.column[0]))
         {
@@ -91,7 +95,8 @@ impl<'a> Settling<'a> {
             self.sheet.constants.iter().map(|constant| (constant.name.as_str(), constant.comment.as_str()));
         let leaves = self.sheet.instances.iter().flat_map(|instance| &instance.parameters);
         let slots = constants.chain(leaves.map(|parameter| (parameter.name.as_str(), "")));
-        let slots = slots.enumerate().map(|(slot, said)| (Origin::Slot(slot), said));
+        let slots = slots.enumerate().zip(self.sheet.formulas()).filter(|(_, formula)| formula.is_none());
+        let slots = slots.map(|((slot, said), _)| (Origin::Slot(slot), said));
         let instances = (0..self.sheet.instances.len()).flat_map(|number| {
             let parameters = self.parameters(number).iter().enumerate();
             parameters.map(move |(n, p)| (Origin::Instance(number, n), (p.name.as_str(), p.comment.as_str())))

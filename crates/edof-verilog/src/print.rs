@@ -116,6 +116,10 @@ impl<'a> Printer<'a> {
     }
 
     fn print(&mut self, expression: &Expression) -> Text {
+        if let Some(pieces) = side_by_side(expression) {
+            let texts: Vec<String> = pieces.into_iter().map(|piece| self.piece(piece)).collect();
+            return Text::atom(format!("{{{}}}", texts.join(", ")), false);
+        }
         let ty = expression.ty;
         match &expression.node {
             Node::Signal(id) => self.signal(*id),
@@ -131,6 +135,13 @@ impl<'a> Printer<'a> {
                 {
                     return self.print(twice);
                 }
+                if let Node::Reduce("|", number) = &x.node
+                    && number.ty.bits > 1
+                {
+                    let zero = Expression::literal(number.ty, 0);
+                    return self
+                        .print(&Expression::new(ty, Node::Compare("==", number.clone(), Box::new(zero))));
+                }
                 let x = self.print(x);
                 let signed = x.signed && ty.bits > 1;
                 let form = if x.form == Form::Atom { Form::Not } else { Form::Operation };
@@ -144,16 +155,10 @@ impl<'a> Printer<'a> {
             }
             Node::Reduce(_, x) if x.ty.bits == 1 => self.print(x),
             Node::Reduce(op, x) => Text::operation(format!("{op}{}", self.print(x).unary_operand()), false),
-            Node::Wrapping(op, x, y) => match side_by_side(expression) {
-                Some(pieces) => {
-                    let texts: Vec<String> = pieces.into_iter().map(|piece| self.piece(piece)).collect();
-                    Text::atom(format!("{{{}}}", texts.join(", ")), false)
-                }
-                None => {
-                    let number = if ["+", "-"].contains(op) { Use::Count } else { Use::Mask };
-                    Text::binary(op, self.print_as(number, x), self.print_as(number, y))
-                }
-            },
+            Node::Wrapping(op, x, y) => {
+                let number = if ["+", "-"].contains(op) { Use::Count } else { Use::Mask };
+                Text::binary(op, self.print_as(number, x), self.print_as(number, y))
+            }
             Node::Compare(op, x, y) => {
                 let ordered = !matches!(*op, "==" | "!=");
                 let mut side = |operand: &Expression| {
@@ -356,10 +361,12 @@ pub(crate) fn pieces(joined: &Expression) -> Option<Vec<&Expression>> {
     side_by_side(joined).map(|pieces| pieces.into_iter().filter_map(value).collect())
 }
 
-/// Values that are shifted to places of their own and joined by `|`, with the zeros between them, from the highest place down.
+/// Values that are shifted to places of their own, and joined by `|` where there are several, with the zeros between them, from the highest
+/// place down.
 fn side_by_side(joined: &Expression) -> Option<Vec<Piece<'_>>> {
     let mut placed = vec![];
-    if joined.ty.signed || !matches!(joined.node, Node::Wrapping("|", ..)) || !place(joined, &mut placed) {
+    let is_joined = matches!(joined.node, Node::Wrapping("|", ..) | Node::Shift("<<", ..));
+    if joined.ty.signed || !is_joined || !place(joined, &mut placed) {
         return None;
     }
     placed.sort_by_key(|(at, _)| *at);

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::interface::Interface;
-use crate::layout::{WIDTH, commented as wrapped, lay_out};
+use crate::layout::{WIDTH, code, commented as wrapped, lay_out};
 use crate::value::Value;
 
 /// What equal modules share. Two blocks with equal sheets are one module; where their values differ it has parameters.
@@ -19,8 +19,6 @@ pub(crate) struct Sheet {
     pub ports: Vec<(String, String)>,
     /// Slots that the text names: constants, then how often loops turn.
     pub constants: Vec<Constant>,
-    /// Constants that are calculated, and their formulas.
-    pub derived: Vec<(Constant, &'static str)>,
     /// States of enums.
     pub states: Vec<String>,
     pub signals: Vec<String>,
@@ -49,15 +47,8 @@ pub(crate) struct Constant {
     /// `[11:0] `.
     pub of_type: String,
     pub comment: String,
-}
-
-/// The constants that the text names.
-#[derive(Default)]
-pub(crate) struct Constants {
-    pub constants: Vec<Constant>,
-    pub values: Vec<Value>,
-    /// Those that are calculated from others, and the formulas.
-    pub derived: Vec<(Constant, &'static str)>,
+    /// What it follows from; it is no parameter then.
+    pub formula: Option<String>,
 }
 
 /// An instance and what belongs to it.
@@ -95,6 +86,8 @@ pub(crate) struct LeafParameter {
     pub name: String,
     /// Where the number of a loop's turn stands in a text: what follows the slot's value.
     pub numbered: Option<String>,
+    /// What it follows from.
+    pub formula: Option<String>,
 }
 
 /// A generate loop.
@@ -109,9 +102,11 @@ pub(crate) struct Turns {
 }
 
 impl Sheet {
-    /// How many slots the sheet has: constants, then parameters of leaves.
-    pub fn slots(&self) -> usize {
-        self.constants.len() + self.instances.iter().map(|instance| instance.parameters.len()).sum::<usize>()
+    /// What the values of slots follow from, in the order of the slots.
+    pub fn formulas(&self) -> impl Iterator<Item = Option<&str>> {
+        let constants = self.constants.iter().map(|constant| constant.formula.as_deref());
+        let leaves = self.instances.iter().flat_map(|instance| &instance.parameters);
+        constants.chain(leaves.map(|parameter| parameter.formula.as_deref()))
     }
 
     /// The module's text, and the Rust line behind each of its lines. `module` names other modules.
@@ -131,23 +126,7 @@ impl Sheet {
         text += &format!("(\n{});\n", list(&self.ports));
         let mut constants = self.fixed(interface);
         constants.extend(self.states.iter().cloned());
-        let mut written: Vec<Vec<String>> = vec![];
-        let mut is_open = false;
-        for paragraph in &self.logic {
-            let (lines, is_instance) = match paragraph {
-                Paragraph::Lines(lines) => (lines.clone(), false),
-                Paragraph::Instance { number, above } => {
-                    let instance = self.instance(*number, &self.instances[*number], interface, module);
-                    ([above.clone(), instance].concat(), true)
-                }
-            };
-            let is_row = is_instance && is_short(&lines);
-            match written.last_mut() {
-                Some(last) if is_row && is_open => last.extend(lines),
-                _ => written.push(lines),
-            }
-            is_open = is_row;
-        }
+        let written = self.written(interface, module);
         let paragraphs = [constants, self.signals.clone()].into_iter().chain(written);
         let all = paragraphs.chain(self.clocked.iter().cloned());
         for lines in all.filter(|lines| !lines.is_empty()) {
@@ -161,15 +140,43 @@ impl Sheet {
         lay_out(&(text + "endmodule\n`default_nettype wire\n"))
     }
 
-    /// Declarations of the constants that are no parameters. Those of one type that need no comment share a line.
+    /// The paragraphs of the logic: short instances stand in rows, and wires right above the instance that reads them.
+    fn written(&self, interface: &Interface, module: &dyn Fn(usize) -> String) -> Vec<Vec<String>> {
+        let mut written: Vec<Vec<String>> = vec![];
+        // The instance that ends the last paragraph, and its lines.
+        let mut before: Option<(&Of, usize)> = None;
+        for paragraph in &self.logic {
+            let (lines, of) = match paragraph {
+                Paragraph::Lines(lines) => (lines.clone(), None),
+                Paragraph::Instance { number, above } => {
+                    let instance = &self.instances[*number];
+                    let lines = self.instance(*number, instance, interface, module);
+                    ([above.clone(), lines].concat(), Some(&instance.of))
+                }
+            };
+            let now = of.map(|of| (of, lines.len()));
+            let belongs = |last: &Vec<String>| match (before, now) {
+                (Some(before), Some(now)) => is_row(before, now),
+                (None, Some(_)) => feeds(last, &lines),
+                _ => false,
+            };
+            match written.last_mut() {
+                Some(last) if belongs(last) => last.extend(lines),
+                _ => written.push(lines),
+            }
+            before = now;
+        }
+        written
+    }
+
+    /// Declarations of the constants that are no parameters. Those of one type that need no comment share a line, and what follows from others
+    /// stands below them.
     fn fixed(&self, interface: &Interface) -> Vec<String> {
         let mut lines: Vec<(String, String)> = vec![];
         let mut shared = "";
-        for (constant, slot) in self.constants.iter().zip(&interface.slots) {
-            let Constant { name, of_type, comment } = constant;
-            if slot.is_parameter {
-                continue;
-            }
+        let fixed = self.constants.iter().zip(&interface.slots).filter(|(_, slot)| !slot.is_parameter);
+        let (derived, given): (Vec<_>, Vec<_>) = fixed.partition(|(constant, _)| constant.formula.is_some());
+        for (Constant { name, of_type, comment, .. }, slot) in given.into_iter().chain(derived) {
             let value = format!("{name} = {}", slot.text);
             match lines.last_mut() {
                 Some((line, said)) if said.is_empty() && comment.is_empty() && shared == of_type => {
@@ -180,10 +187,6 @@ impl Sheet {
             }
             shared = of_type;
         }
-        lines.extend(self.derived.iter().map(|(constant, formula)| {
-            let Constant { name, of_type, comment } = constant;
-            (format!("localparam {of_type}{name} = {formula};"), comment.clone())
-        }));
         commented(&lines)
     }
 
@@ -222,9 +225,28 @@ impl Sheet {
     }
 }
 
-/// Whether a paragraph is instances that take a line each, and declarations.
-fn is_short(lines: &[String]) -> bool {
-    lines.iter().all(|line| line.ends_with(';') && !line.starts_with([')', ' ']))
+/// Lines of an instance, with the declarations above it, that stands in a row with others, and with others of its module.
+const SHORT: usize = 3;
+const SHORT_OF_MODULE: usize = 5;
+
+/// Whether two instances that follow each other, with so many lines, stand in a row.
+fn is_row(before: (&Of, usize), now: (&Of, usize)) -> bool {
+    let longest = before.1.max(now.1);
+    longest <= if before.0 == now.0 { SHORT_OF_MODULE } else { SHORT }
+}
+
+/// Whether the lines are few wires, all of which the instance reads.
+fn feeds(lines: &[String], instance: &[String]) -> bool {
+    let is_read = |line: &String| {
+        let Some((declared, _)) = code(line).strip_prefix("wire ").and_then(|rest| rest.split_once(" = "))
+        else {
+            return line.starts_with("//");
+        };
+        let name = declared.rsplit(' ').next().unwrap_or_default();
+        let is_word = |c: char| c.is_alphanumeric() || c == '_';
+        instance.iter().any(|line| line.split(|c| !is_word(c)).any(|word| word == name))
+    };
+    lines.len() <= SHORT && lines.iter().all(is_read)
 }
 
 /// Lines in a bracket: commas between, comments behind. Empty lines part groups.
@@ -264,6 +286,10 @@ fn instance_lines(module: &str, parameters: &[String], instance: &str, pins: &[S
     let one = format!("{head}{all});");
     if one.len() + 2 <= WIDTH {
         return vec![one];
+    }
+    let below = format!("    {instance} ({all});");
+    if !given.is_empty() && module.len() + given.len() + 2 <= WIDTH && below.len() <= WIDTH {
+        return vec![format!("{module} {}", given.trim_end()), below];
     }
     let mut lines = vec![];
     if head.len() + 2 <= WIDTH {

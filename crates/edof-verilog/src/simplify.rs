@@ -1,16 +1,20 @@
 //! One assignment where several statements say no more.
 //!
 //! `x = 0; x = y;` is `x = y`, and `x = a; if (c) x = b;` is `x = c ? b : a`. Only what is the same for every input is rewritten: a value
-//! that is replaced before anything reads it, a choice both of whose sides are known. What would be long stays a block.
+//! that is replaced before anything reads it, a choice both of whose sides are known. A bit that is set under a condition is that condition, beside
+//! the other bits. What would be long stays a block.
 
 use crate::expression::{Expression, Node};
+use crate::flags::flag;
 use crate::kernel::{Assign, Statement};
 use crate::process::Process;
 use crate::scope::{Scope, SignalId};
+use crate::tidy;
 use crate::types::Type;
 
-/// Letters, and choices, that a single assignment has at most, approximately.
-const LONGEST: usize = 80;
+/// Letters, and choices, that a single assignment has at most, approximately; one that decides nothing may be longer.
+const LONGEST: usize = 100;
+const LONGEST_OF_ALL: usize = 400;
 const CHOICES: usize = 2;
 
 /// The process, with one target, as one assignment if that is short; else without what is overwritten unread.
@@ -30,9 +34,10 @@ pub(crate) fn simplify(scope: &Scope, process: Process) -> Process {
 }
 
 fn is_short(scope: &Scope, value: &Expression) -> bool {
-    let (mut letters, mut choices) = (0, 0);
+    let (mut letters, mut choices, mut decides) = (0, 0, false);
     value.walk(&mut |part| {
         choices += usize::from(matches!(part.node, Node::Choose(..)));
+        decides |= matches!(part.node, Node::Choose(..) | Node::Logical(..));
         letters += match part.node {
             Node::Signal(id) => scope.signals[id].key.len(),
             Node::Resize(_) if part.ty.signed => 30,
@@ -40,7 +45,7 @@ fn is_short(scope: &Scope, value: &Expression) -> bool {
             _ => 5,
         };
     });
-    letters <= LONGEST && choices <= CHOICES
+    letters <= if decides { LONGEST } else { LONGEST_OF_ALL } && choices <= CHOICES
 }
 
 /// The target's value after the statements, where it was `before` before them, as long as it is short: with every choice that reads
@@ -62,7 +67,7 @@ fn value(
                 let test = with(test, target, now.as_ref())?;
                 let then = value(scope, then, target, now.clone())?;
                 let otherwise = value(scope, otherwise, target, now)?;
-                Some(choose(test, then, otherwise))
+                Some(tidy::expression(choose(test, then, otherwise)))
             }
             _ => return None,
         };
@@ -86,6 +91,9 @@ fn choose(test: Expression, then: Expression, otherwise: Expression) -> Expressi
     {
         let both = Expression::new(Type::BIT, Node::Logical("&&", Box::new(test), also.clone()));
         return choose(both, (**inner).clone(), otherwise);
+    }
+    if let Some(joined) = flag(&test, &then, &otherwise) {
+        return joined;
     }
     Expression::new(then.ty, Node::Choose(Box::new(test), Box::new(then), Box::new(otherwise)))
 }

@@ -172,12 +172,17 @@ fn enclosed(head: &str, body: &[String], end: &str) -> Vec<String> {
 fn arm(label: &str, note: &str, body: Vec<String>) -> Vec<String> {
     match &body[..] {
         [] => vec![format!("{label}: ;{note}")],
-        [one] if is_assignment(one) && label.len() + code(one).len() + note.len() < SHORT => {
+        [one] if is_statement(one) && label.len() + code(one).len() + note.len() < SHORT => {
             let (code, place) = one.split_at(code(one).len());
             vec![format!("{label}: {code}{note}{place}")]
         }
         _ => block(&format!("{label}: begin{note}"), &body),
     }
+}
+
+/// One assignment, under a condition or not, and no comment.
+fn is_statement(line: &str) -> bool {
+    is_assignment(line) || (line.starts_with("if (") && code(line).ends_with(';'))
 }
 
 /// One assignment: nothing to which an `else` could belong.

@@ -5,6 +5,7 @@
 
 use crate::cases;
 use crate::expression::{Expression, Node};
+use crate::flags;
 use crate::kernel::{Arm, Assign, Label, Note, Statement};
 use crate::types::Type;
 
@@ -30,7 +31,9 @@ pub(crate) fn statements(statements: Vec<Statement>) -> Vec<Statement> {
             }
             comment => comment,
         };
-        tidied.push(statement);
+        if !flags::joins(&mut tidied, &statement) {
+            tidied.push(statement);
+        }
     }
     cases::together(tidied)
 }

@@ -18,9 +18,13 @@ impl Value {
         Self::plain(number.to_string())
     }
 
-    /// A whole number, its digits in threes.
-    pub fn grouped(number: i128) -> Self {
-        let digits = number.to_string();
+    /// A whole number from hexadecimal digits; those of a long one stand in threes.
+    pub fn whole(digits: &str) -> Self {
+        let digits =
+            u64::from_str_radix(digits, 16).map_or_else(|_| digits.into(), |number| number.to_string());
+        if digits.len() < 5 {
+            return Self::plain(digits);
+        }
         let groups: Vec<&str> =
             digits.as_bytes().rchunks(3).rev().filter_map(|group| std::str::from_utf8(group).ok()).collect();
         Self::plain(groups.join("_"))

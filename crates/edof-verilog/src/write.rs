@@ -10,13 +10,13 @@ use crate::error::{EmitError, Fault};
 use crate::expression::{Expression, Node};
 use crate::kernel::{Assign, Statement};
 use crate::kind::{Kind, pins_of};
-use crate::layout::WIDTH;
+use crate::layout::{WIDTH, code};
 use crate::names::snake_case;
 use crate::order::{self, Order, Step};
 use crate::print::{Between, Printer};
 use crate::process::Process;
 use crate::scope::{Role, Scope, SignalId};
-use crate::sheet::{Constants, Paragraph, Sheet, Written};
+use crate::sheet::{Paragraph, Sheet, Written};
 use crate::text::Use;
 use crate::unread::Read;
 use crate::value::{Value, of_type, pattern};
@@ -43,17 +43,20 @@ pub(crate) struct Writer<'a> {
     pub printer: Printer<'a>,
     /// Number of intermediate values that are declared.
     pub declared: usize,
+    /// Constants that formulas name.
+    pub named: BTreeSet<SignalId>,
 }
 
 impl Writer<'_> {
     /// The sheet, the values of its slots, and the tree's part that each instance stands for.
     pub fn sheet(mut self) -> Result<(Sheet, Vec<Value>, Vec<usize>), EmitError> {
-        let (mut logic, parts) = self.logic()?;
+        let (mut logic, mut parts) = self.logic()?;
         let ends = self.ends();
         logic.push(Paragraph::Lines(self.with_between(vec![])));
         let mut clocked: Vec<Vec<String>> = ends.into_iter().chain(self.clocked()).collect();
         clocked.extend(Some(self.unread()).filter(|lines| !lines.is_empty()));
-        let Constants { mut constants, mut values, derived } = self.constants();
+        parts.iter_mut().try_for_each(|part| self.derive(part))?;
+        let (mut constants, mut values) = self.constants()?;
         for part in &parts {
             if let Some((constant, value)) = &part.count {
                 constants.push(constant.clone());
@@ -67,7 +70,6 @@ impl Writer<'_> {
             source: self.source.into(),
             ports: self.ports(),
             constants,
-            derived,
             states: self.states(),
             signals: self.signals(),
             logic,
@@ -106,10 +108,11 @@ impl Writer<'_> {
             (format!("{} {ty}{}", kind(*id), self.signal_name(*id)), self.said(*id))
         };
         let mut lines: Vec<(String, String)> = vec![];
+        let has_bundles = self.ports.iter().any(|id| self.channel(*id).is_some());
         for (n, id) in self.ports.iter().enumerate() {
             let (port, said) = line(id);
             let before = (n > 0).then(|| self.ports[n - 1]);
-            if before.is_some_and(|before| self.group(*id) != self.group(before)) {
+            if has_bundles && before.is_some_and(|before| self.group(*id) != self.group(before)) {
                 lines.push((String::new(), String::new()));
             }
             match lines.last_mut() {
@@ -294,12 +297,15 @@ impl Writer<'_> {
             return vec![];
         }
         let name = self.printer.names.take("unused");
-        let note = "// Not every bit of these is read.".to_string();
+        let note = "// Not every bit is read.";
         let line = match &all[..] {
             [one] => format!("wire {name} = ^{one};"),
             _ => format!("wire {name} = ^{{{}}};", all.join(", ")),
         };
-        vec![note, line]
+        match line.len() + note.len() + 3 <= WIDTH {
+            true => vec![format!("{line} {note}")],
+            false => vec![note.into(), line],
+        }
     }
 
     /// Assignments, `always @*` blocks and instances: a paragraph for each run of assignments, each block and each instance.
@@ -329,7 +335,7 @@ impl Writer<'_> {
                     }
                     let (lines, has_comment) = self.assign(process, assign);
                     match paragraphs.last_mut() {
-                        Some(Paragraph::Lines(last)) if after_assign && !has_comment => last.extend(lines),
+                        Some(Paragraph::Lines(last)) if after_assign && !has_comment => extend(last, lines),
                         _ => paragraphs.push(Paragraph::Lines(lines)),
                     }
                     after_assign = true;
@@ -408,6 +414,28 @@ impl Writer<'_> {
         let comment = lines.iter().take_while(|line| line.starts_with("//")).count();
         lines.splice(comment..comment, between);
         lines
+    }
+}
+
+/// Adds lines to a run of assignments. Names that are given to outputs stand side by side: `assign data_o = data_q, last_o = last_q;`.
+fn extend(run: &mut Vec<String>, lines: Vec<String>) {
+    let names = |line: &str| {
+        let pairs = code(line).strip_prefix("assign ")?.strip_suffix(';')?.to_string();
+        let is_name = |c: char| c.is_alphanumeric() || "_[]:".contains(c);
+        let are_names = pairs
+            .split(", ")
+            .all(|pair| pair.split_once(" = ").is_some_and(|(_, value)| value.chars().all(is_name)));
+        are_names.then_some(pairs)
+    };
+    for line in lines {
+        let both = run.last().and_then(|last| Some((names(last)?, names(&line)?)));
+        match (run.last_mut(), both) {
+            (Some(last), Some((before, new))) if before.len() + new.len() + 12 <= WIDTH => {
+                let place = last[code(last).len()..].to_string();
+                *last = format!("assign {before}, {new};{place}");
+            }
+            _ => run.push(line),
+        }
     }
 }
 

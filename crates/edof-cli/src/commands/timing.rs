@@ -9,10 +9,11 @@ use edof_cosim::chain::check::stage_names;
 use edof_cosim::system;
 use edof_cosim::yosys::fan_out::FanOut;
 use edof_cosim::yosys::route::{self, Fabric, Routed, RoutedStep, Router};
-use edof_cosim::yosys::timing::{self, Kind, PartTiming};
+use edof_cosim::yosys::timing::{self, Kind, MAX_CROSSED, PartTiming};
 use edof_device::Design;
 use edof_golden::Display;
 use edof_hdl::board::blocks::{self, Block};
+use edof_hdl::floorplan::{self, Fill, MAX_FILL};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -111,6 +112,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         100.0 * worst / period,
         design.clock_mhz
     ))?;
+    let fills = floorplan::fills(&design);
+    tell_fills(&fills, ui)?;
     let mut routed = vec![];
     if let Some(router) = &router {
         for (name, block) in names.iter().zip(&stages) {
@@ -130,6 +133,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     }
     let stage = |(name, stage): (&String, &PartTiming)| json!({ "stage": name, "timing": stage });
     let other = |(block, timing): (&Block, &PartTiming)| json!({ "block": block.path, "limit_ps": block.domain.limit_ps(), "timing": timing });
+    let fill = |Fill { block, multipliers, memories }: &Fill| json!({ "block": block, "dsp48e1": multipliers, "ramb36e1": memories });
     ui.json(&json!({
         "design": design.name,
         "weights": args.weights,
@@ -139,6 +143,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         "router": router.as_ref().map(Router::name),
         "routed": routed,
         "blocks": others.iter().zip(of_others).map(other).collect::<Vec<_>>(),
+        "floorplan": fills.iter().map(fill).collect::<Vec<_>>(),
     }))
 }
 
@@ -154,6 +159,12 @@ fn tell(name: &str, stage: &PartTiming, ui: &Ui) -> Result<(), Error> {
         ui.say(format!("  {:6} ps  {:28} {}", step.arrival_ps, step.cell, step.net))?;
     }
     ui.say(format!("  longest kinds of paths (the same registers but for their numbers), {} registers that lead to two groups of banks", stage.strays.len()))?;
+    let (crossed, from) = &stage.crossed;
+    if *crossed > 0 {
+        ui.say(format!(
+            "  the widest path crosses {crossed} borders between blocks of the floorplan, of at most {MAX_CROSSED}, from {from}"
+        ))?;
+    }
     for Kind { delay_ps, from, to, pin } in &stage.kinds {
         ui.say(format!("  {delay_ps:6} ps  {pin:28} {from} to {to}"))?;
     }
@@ -161,6 +172,19 @@ fn tell(name: &str, stage: &PartTiming, ui: &Ui) -> Result<(), Error> {
         let nets = stage.nets.iter().filter(|net| net.control == control);
         let told: Vec<String> = nets.map(|FanOut { net, loads, .. }| format!("{net} {loads}")).collect();
         ui.say(format!("  loads, {kind}: {}", told.join(", ")))?;
+    }
+    Ok(())
+}
+
+/// How full the fullest blocks of the floorplan are.
+fn tell_fills(fills: &[Fill], ui: &Ui) -> Result<(), Error> {
+    for (kind, of) in ["DSP48E1", "RAMB36E1"].into_iter().zip(0..) {
+        if let Some(fullest) = fills.iter().max_by_key(|fill| fill.percent()[of]) {
+            let (percent, block) = (fullest.percent()[of], &fullest.block);
+            ui.say(format!(
+                "floorplan: {block} has most of its {kind} used, {percent} % of at most {MAX_FILL} %"
+            ))?;
+        }
     }
     Ok(())
 }

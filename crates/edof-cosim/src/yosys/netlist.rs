@@ -94,6 +94,11 @@ impl Netlist {
         Some(self.modules.values().find(|module| module.attributes.contains_key("top"))?.strays(group))
     }
 
+    /// How many borders between groups of `group` banks a path of a flat top crosses at most, and the register where it begins; none without a top.
+    pub fn crossed(&self, group: usize) -> Option<(usize, String)> {
+        Some(self.modules.values().find(|module| module.attributes.contains_key("top"))?.crossed(group))
+    }
+
     /// All nets of a flat top but its clocks, those with the most loads first; none where there is no top.
     pub fn fan_out(&self) -> Option<Vec<FanOut>> {
         let top = self.modules.values().find(|module| module.attributes.contains_key("top"))?;
@@ -194,7 +199,32 @@ impl Module {
     /// Registers whose outputs lead, directly or through logic, to banks of more than one group of `group` neighbours: name and groups. A bank is
     /// an instance `banks[N].`.
     fn strays(&self, group: usize) -> Vec<String> {
-        let names = self.bank_names();
+        let all = self.names();
+        let reached = self.reached(&self.bank_groups(group));
+        let strays = reached.into_iter().filter(|(_, found)| found.len() > 1);
+        let told = strays.map(|(net, found)| format!("{}: groups {found:?}", told(&all, net)));
+        told.collect()
+    }
+
+    /// The path from register to register that crosses most borders between rooms: how many, and where it begins. A room has the banks of a
+    /// group and what is in `groups[N].`; rooms stand in the order of their numbers.
+    fn crossed(&self, group: usize) -> (usize, String) {
+        let mut rooms = self.bank_groups(group);
+        rooms.extend(self.registers_in("groups["));
+        let mut most = (0, None);
+        for (net, found) in self.reached(&rooms) {
+            let all = || found.iter().chain(rooms.get(&net));
+            if let (Some(first), Some(last)) = (all().min(), all().max())
+                && last - first > most.0
+            {
+                most = (last - first, Some(net));
+            }
+        }
+        (most.0, most.1.map_or_else(String::new, |net| told(&self.names(), net)))
+    }
+
+    /// The rooms to whose registers each register leads, directly or through logic.
+    fn reached(&self, rooms: &BTreeMap<u64, usize>) -> Vec<(u64, BTreeSet<usize>)> {
         let mut readers: BTreeMap<u64, Vec<&Cell>> = BTreeMap::new();
         for cell in self.cells.values() {
             let inputs = cell.connections.iter().filter(|(pin, _)| {
@@ -205,11 +235,9 @@ impl Module {
                 readers.entry(net).or_default().push(cell);
             }
         }
-        let all = self.names();
         let registers = self.cells.values().filter(|cell| !cell.is_logic());
         let outputs = registers.flat_map(Cell::outputs).collect::<BTreeSet<u64>>();
-        let mut strays = vec![];
-        for net in outputs {
+        let reached = |net: u64| {
             let (mut found, mut seen, mut open) = (BTreeSet::new(), BTreeSet::new(), vec![net]);
             while let Some(net) = open.pop() {
                 for cell in readers.get(&net).into_iter().flatten() {
@@ -217,32 +245,32 @@ impl Module {
                     if cell.is_logic() {
                         open.extend(fresh);
                     } else {
-                        found.extend(
-                            cell.outputs().filter_map(|net| names.get(&net)).map(|bank| bank / group),
-                        );
+                        found.extend(cell.outputs().filter_map(|net| rooms.get(&net)));
                     }
                 }
             }
-            if found.len() > 1 {
-                let name = all.get(&net).map_or_else(|| format!("net {net}"), |(name, _)| name.clone());
-                strays.push(format!("{name}: groups {found:?}"));
-            }
-        }
-        strays
+            (net, found)
+        };
+        outputs.into_iter().map(reached).collect()
     }
 
-    /// The bank in which a net is driven: its register is named there.
-    fn bank_names(&self) -> BTreeMap<u64, usize> {
-        let mut banks = BTreeMap::new();
+    /// The group of banks in which a net is driven.
+    fn bank_groups(&self, group: usize) -> BTreeMap<u64, usize> {
+        self.registers_in("banks[").into_iter().map(|(net, bank)| (net, bank / group)).collect()
+    }
+
+    /// The number of the instance in which a net is driven, whose name begins with `word`: its register is named there.
+    fn registers_in(&self, word: &str) -> BTreeMap<u64, usize> {
+        let mut numbers = BTreeMap::new();
         for (name, wire) in &self.netnames {
-            let Some((_, inside)) = name.split_once("banks[") else { continue };
-            let bank = inside.split_once(']').and_then(|(bank, _)| bank.parse().ok());
+            let Some((_, inside)) = name.split_once(word) else { continue };
+            let number = inside.split_once(']').and_then(|(number, _)| number.parse().ok());
             let is_own = name.ends_with("_q") || name.ends_with(".sum") || name.ends_with("sum_o");
-            if let Some(bank) = bank.filter(|_| is_own) {
-                banks.extend(wire.bits.iter().filter_map(Bit::net).map(|net| (net, bank)));
+            if let Some(number) = number.filter(|_| is_own) {
+                numbers.extend(wire.bits.iter().filter_map(Bit::net).map(|net| (net, number)));
             }
         }
-        banks
+        numbers
     }
 
     /// Nets that enter a carry chain, directly or through one LUT.
@@ -255,6 +283,11 @@ impl Module {
             before.flat_map(|lut| lut.nets(&["I0", "I1", "I2", "I3", "I4", "I5"])).collect();
         direct.union(&through).copied().collect()
     }
+}
+
+/// What a net is called.
+fn told(names: &BTreeMap<u64, (String, bool)>, net: u64) -> String {
+    names.get(&net).map_or_else(|| format!("net {net}"), |(name, _)| name.clone())
 }
 
 impl Cell {
@@ -353,6 +386,14 @@ mod tests {
         let strays = |bank: usize| netlist(bank)[0].strays(8).unwrap();
         assert_eq!(strays(6), [""; 0]);
         assert_eq!(strays(8), ["copy_q: groups {0, 1}"]);
+    }
+
+    #[test]
+    fn a_path_to_a_room_further_on_crosses_those_between() {
+        let crossed = |bank: usize| netlist(bank)[0].crossed(8).unwrap();
+        assert_eq!(crossed(6), (0, String::new()));
+        assert_eq!(crossed(8), (1, "copy_q".into()));
+        assert_eq!(crossed(39), (4, "copy_q".into()));
     }
 
     #[test]

@@ -26,10 +26,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub const NETS: usize = 10;
 /// Kinds of paths that are listed per stage.
 pub const KINDS: usize = 10;
+/// Borders between blocks of the floorplan that a path may cross: from a group of banks to its neighbour.
+pub const MAX_CROSSED: usize = 1;
 /// Parts that are mapped at once, at most: a big one takes 400 MB.
 const AT_ONCE: usize = 2;
 /// Changes with what is read out of a run, so that older results in the cache are not taken for it.
-const FORMAT: &str = "timing 6";
+const FORMAT: &str = "timing 7";
 
 /// Where a user's results belong: `edof/timing` in `$XDG_CACHE_HOME`, or else in `~/.cache`.
 #[must_use]
@@ -52,6 +54,8 @@ pub struct PartTiming {
     pub kinds: Vec<Kind>,
     /// Registers that lead to banks of multipliers in more than one group of neighbours (`rtl/edof_macc_array.v`): name and groups.
     pub strays: Vec<String>,
+    /// Borders between blocks of the floorplan (groups of banks) that a path crosses at most, and the register where that path begins.
+    pub crossed: (usize, String),
     /// Nets of highest fan-out, those of control and those of data; the clock is left out.
     pub nets: Vec<FanOut>,
     /// Loads of the net of control that has most; 0 without one.
@@ -220,6 +224,7 @@ fn mapped(design: &Path, module: &str, work: &Path) -> Result<PartTiming, Error>
         path,
         kinds: netlist.kinds(&read("delays.json")?).ok_or_else(missing)?.into_iter().take(KINDS).collect(),
         strays: netlist.strays(GROUP_BANKS).ok_or_else(missing)?,
+        crossed: netlist.crossed(GROUP_BANKS).ok_or_else(missing)?,
         control_loads: of_kind(true).map(|net| net.loads).max().unwrap_or(0),
         nets: of_kind(true).take(NETS).chain(of_kind(false).take(NETS)).cloned().collect(),
         accumulating_dsps: report.accumulators_inside(),

@@ -83,13 +83,16 @@ pub fn images(start: u16) -> (tempfile::TempDir, PathBuf) {
 
 /// Instances in the text of a module, with their modules: `module name (` or `module #(parameters) name (`.
 pub fn instances<'a>(text: &'a str) -> Vec<(String, String)> {
-    // The module of an instance whose parameters have lines of their own.
+    // The module of an instance whose name stands below its parameters.
     let mut open = "";
     let instance = |line: &'a str| {
         let (module, rest) = line.trim().split_once(' ')?;
-        if rest == "#(" {
+        if rest == "#(" || (rest.starts_with("#(") && rest.ends_with(')')) {
             open = module;
             return None;
+        }
+        if rest.starts_with("(.") {
+            return Some((module.to_string(), open.to_string()));
         }
         let module = if module == ")" { open } else { module };
         let rest = match rest.strip_prefix("#(") {

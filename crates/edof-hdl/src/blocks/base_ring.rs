@@ -1,7 +1,7 @@
 //! Base words that wait for their sums (M).
 
-use super::Pair;
 use super::ram::{Ram, Shape};
+use super::{Pair, Whole, whole};
 use crate::describe::{Circuit, kernel};
 use edof_device::design::{StagePlan, timing};
 use rust_hdl::prelude::*;
@@ -24,7 +24,12 @@ pub struct BaseRing {
     pub read: Signal<In, Bit>,
     /// The two that stood first two cycles ago.
     pub front: Signal<Out, Pair>,
+    /// 1 where a base is added (M).
+    has_base: Constant<Whole>,
+    #[is(DEPTH = has_base * 1024)]
     ram: Ram<32>,
+    inputs: Constant<Whole>,
+    #[is(inputs / 2 - 1)]
     last_beat: Constant<Bits<7>>,
     #[reset(false)]
     write_q: DFF<Bit>,
@@ -46,7 +51,8 @@ impl BaseRing {
         let depth = if stage.has_base() { timing::BASE_VECTORS * super::SLOT_ROWS } else { 0 };
         Self::from_parts(BaseRingParts {
             ram: Ram::new(Shape::registered(depth), &[]),
-            last_beat: Constant::new((stage.beats_in() as u64 - 1).into()),
+            inputs: whole(stage.inputs),
+            has_base: whole(stage.has_base().into()),
         })
     }
 }

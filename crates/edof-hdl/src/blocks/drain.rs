@@ -1,6 +1,7 @@
 //! When sums are copied out of the multipliers and taken from the holding registers.
 
 use super::delay::Delay;
+use super::{Whole, whole};
 use crate::describe::{Circuit, kernel};
 use edof_device::design::{StagePlan, timing};
 use rust_hdl::prelude::*;
@@ -35,10 +36,17 @@ pub struct Drain {
     pub last: Signal<Out, Bit>,
     /// Set of the vector of the two sums.
     pub take_set: Signal<Out, Bit>,
+    /// Outputs that are computed at a time.
+    lanes: Constant<Whole>,
+    outputs: Constant<Whole>,
+    #[is(lanes / 2 - 1)]
     before_last_take: Constant<Bits<8>>,
+    #[is(if lanes > 18 { 8 } else { lanes / 2 - 1 })]
     release_at: Constant<Bits<8>>,
+    #[is(outputs / 2 - 1)]
     last_beat: Constant<Bits<8>>,
     all_credits: Constant<Bits<8>>,
+    #[is(lanes / 2)]
     needed_credits: Constant<Bits<8>>,
     in_flight: Delay<2, 6>,
     #[reset(false)]
@@ -72,14 +80,11 @@ impl Drain {
     /// The drain of a stage.
     #[must_use]
     pub fn new(stage: &StagePlan) -> Self {
-        let beats = stage.drain_beats() as u64;
-        let released_at = timing::release(stage.drain_beats());
+        const { assert!(timing::release(9) == 0 && timing::release(10) == 1, "`release_at` says that") };
         Self::from_parts(DrainParts {
-            before_last_take: Constant::new((beats - 1).into()),
-            release_at: Constant::new((beats - 1 - released_at).into()),
-            last_beat: Constant::new((stage.beats_out() as u64 - 1).into()),
+            lanes: whole(stage.lanes),
+            outputs: whole(stage.outputs),
             all_credits: Constant::new((timing::DRAIN_CREDITS as u64).into()),
-            needed_credits: Constant::new(beats.into()),
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use super::crc::Crc;
 use super::delay::Delay;
+use super::{Whole, whole};
 use crate::describe::{Circuit, kernel};
 use edof_device::design::MAX_FRAME_BEATS;
 use rust_hdl::prelude::*;
@@ -9,16 +10,16 @@ use rust_hdl::prelude::*;
 /// The CRC (`edof_device::crc`) of every frame of beats that passes a boundary, and how many frames there were. It only looks: nothing waits for it.
 /// A snapshot copies the last whole frame's CRC and number to where they are shown, so that those of several boundaries belong together.
 #[derive(Circuit)]
-#[circuit(default(Crc, Delay), registers(clock, reset))]
-pub struct FrameCheck<const W: usize> {
+#[circuit(default(Delay), registers(clock, reset))]
+pub struct FrameCheck {
     /// Clock.
     pub clock: Signal<In, Clock>,
     /// The next beat is a frame's first, and the first frame's.
     pub reset: Signal<In, Bit>,
     /// A beat passes in this cycle.
     pub valid: Signal<In, Bit>,
-    /// The beat.
-    pub data: Signal<In, Bits<W>>,
+    /// The beat, in the low bits.
+    pub data: Signal<In, Bits<32>>,
     /// Copies CRC and number.
     pub snapshot: Signal<In, Bit>,
     /// CRC of the last frame that was whole when the snapshot was taken; 0 before.
@@ -28,7 +29,10 @@ pub struct FrameCheck<const W: usize> {
     last_beat: Constant<Bits<28>>,
     // Two registers of their own, a cycle after the reset: it leads to few registers each time.
     resets: Delay<2, 1>,
-    frame_crc: Crc<W>,
+    /// Bits of a beat.
+    width: Constant<Whole>,
+    #[is(WIDTH = width)]
+    frame_crc: Crc,
     #[reset(false)]
     valid_q: DFF<Bit>,
     #[reset(true)]
@@ -45,16 +49,20 @@ pub struct FrameCheck<const W: usize> {
     latched_frames: DFF<Bits<8>>,
 }
 
-impl<const W: usize> FrameCheck<W> {
-    /// A check of frames with the given number of beats, two or more.
+impl FrameCheck {
+    /// A check of frames with the given number of beats, two or more, of `width` bits each.
     #[must_use]
-    pub fn new(beats: usize) -> Self {
+    pub fn new(width: usize, beats: usize) -> Self {
         const { assert!(MAX_FRAME_BEATS == 1 << 28, "the beats that remain are counted in 28 bits") };
-        Self::from_parts(FrameCheckParts { last_beat: Constant::new((beats as u64 - 1).into()) })
+        Self::from_parts(FrameCheckParts {
+            last_beat: Constant::new((beats as u64 - 1).into()),
+            width: whole(width),
+            frame_crc: Crc::new(width),
+        })
     }
 }
 
-impl<const W: usize> Logic for FrameCheck<W> {
+impl Logic for FrameCheck {
     #[kernel]
     fn update(&mut self) {
         self.frame_crc.clock.next = self.clock.val();

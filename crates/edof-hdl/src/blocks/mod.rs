@@ -46,7 +46,7 @@ pub mod window_guard;
 pub mod window_ring;
 
 use edof_device::design::{Kind, StagePlan};
-use rust_hdl::prelude::Bits;
+use rust_hdl::prelude::{Bits, Constant};
 
 /// A 16-bit word of a vector, in two's complement.
 pub type Word = Bits<16>;
@@ -60,10 +60,17 @@ pub type Row = Bits<12>;
 pub type Descriptor = Bits<12>;
 /// Rows of two elements that a slot of a store has.
 pub(crate) const SLOT_ROWS: usize = 128;
+/// A number of things that other constants follow from.
+pub type Whole = Bits<16>;
 /// Position of an element among the inputs of a stage.
 pub type Index = Bits<9>;
 /// An element's index above its value.
 pub type IndexedValue = Bits<25>;
+
+/// A number of things.
+fn whole(number: usize) -> Constant<Whole> {
+    Constant::new((number as u64).into())
+}
 
 /// Suffix of a stage's module name: I takes every element of a vector, M and F are one module with parameters.
 fn role(stage: &StagePlan) -> String {

@@ -6,7 +6,7 @@ use super::difference::Difference;
 use super::ram::{Ram, Shape};
 use super::requantize::Requantize;
 use super::shrink::Shrink;
-use super::{Pair, Row, Sum, Word};
+use super::{Pair, Row, Sum, Whole, Word, whole};
 use crate::describe::{Circuit, kernel};
 use crate::verilog::Optional;
 use edof_device::design::{Design, StagePlan, memory};
@@ -79,10 +79,19 @@ pub struct Results {
     pub code_saturated: Signal<Out, Bits<2>>,
     /// Which differences did not fit.
     pub difference_saturated: Signal<Out, Bits<2>>,
+    outputs: Constant<Whole>,
+    /// 1 where a base is added (M).
+    has_base: Constant<Whole>,
+    /// 1 where the next stage is an M, so that base words are sent.
+    feeds_m: Constant<Whole>,
+    /// 1 where the difference to the codes before is sent.
+    differs: Constant<Whole>,
+    #[is(outputs / 2)]
     set_rows: Constant<Row>,
     /// Codes are sent (I, M), not results (F).
     shrinks: Constant<Bit>,
     /// Base words for the next stage are those that came in.
+    #[is(has_base > differs)]
     passes_base: Constant<Bit>,
     marks_to_5: Delay<3, 5>,
     marks_to_6: Delay<3, 1>,
@@ -96,12 +105,17 @@ pub struct Results {
     requantize_odd: Requantize,
     result_flags: Delay<2, 6>,
     base_ring: BaseRing,
+    #[is(DEPTH = if shrinks { outputs } else { 0 })]
     thresholds: Ram<32>,
     shrink_even: Shrink,
     shrink_odd: Shrink,
+    #[is(CYCLES = if shrinks { 3 } else { 0 })]
     code_flags: DelayOf<2>,
+    #[is(CYCLES = if shrinks { 3 - 3 * differs } else { 0 })]
     codes_to_23: DelayOf<32>,
+    #[is(CYCLES = if shrinks { 0 } else { 6 })]
     result_to_23: DelayOf<32>,
+    #[is(CYCLES = if passes_base { 0 } else { 6 * feeds_m })]
     base_to_23: DelayOf<32>,
     base_mark: DFF<Bit>,
     base_to_17: Optional<Delay<32, 10>>,
@@ -141,9 +155,11 @@ impl Results {
         let delay = |is_there: bool, cycles: usize| if is_there { cycles } else { 0 };
         let passes_base = has_base && !differs;
         Self::from_parts(ResultsParts {
-            set_rows: Constant::new((stage.beats_out() as u64).into()),
+            outputs: whole(stage.outputs),
+            has_base: whole(has_base.into()),
+            feeds_m: whole(stage.feeds_m.into()),
+            differs: whole(differs.into()),
             shrinks: Constant::new(shrinks),
-            passes_base: Constant::new(passes_base),
             requantize_even: Requantize::new(bits, has_base),
             requantize_odd: Requantize::new(bits, has_base),
             base_ring: BaseRing::new(stage),

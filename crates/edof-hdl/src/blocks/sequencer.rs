@@ -1,6 +1,6 @@
 //! Which step of which pass is next.
 
-use super::{Descriptor, Row};
+use super::{Descriptor, Row, Whole, whole};
 use crate::describe::{Circuit, kernel};
 use edof_device::design::StagePlan;
 use rust_hdl::prelude::*;
@@ -49,13 +49,33 @@ pub struct Sequencer {
     pub pass_issued: Signal<Out, Bit>,
     /// The step is the last of its vector.
     pub finished: Signal<Out, Bit>,
+    inputs: Constant<Whole>,
+    /// 1 where elements come as pairs of index and value (M, F).
+    pairs: Constant<Whole>,
+    /// Parts of a vector that are read in step (I).
+    parts: Constant<Whole>,
+    /// Rows of weights in a step (M, F).
+    rows: Constant<Whole>,
+    /// Pixels of the linear path (F).
+    window_pixels: Constant<Whole>,
+    /// Outputs that are computed at a time.
+    lanes: Constant<Whole>,
+    outputs: Constant<Whole>,
+    #[is(rows == 2)]
     two_rows: Constant<Bit>,
+    #[is(window_pixels > 0)]
     has_linear: Constant<Bit>,
+    #[is(if window_pixels > 0 { (window_pixels - 1) / rows } else { 0 })]
     linear_before_last: Constant<Bits<8>>,
+    #[is(window_pixels == rows)]
     linear_single: Constant<Bit>,
+    #[is(pairs * inputs)]
     codes: Constant<Row>,
+    #[is(inputs / parts + window_pixels)]
     pass_rows: Constant<Row>,
+    #[is(outputs / lanes * (inputs / parts + window_pixels))]
     set_rows: Constant<Row>,
+    #[is(outputs / lanes - 1)]
     last_pass: Constant<Bits<6>>,
     // Vectors that wait.
     #[reset(0)]
@@ -109,17 +129,15 @@ impl Sequencer {
     /// The sequencer of a stage.
     #[must_use]
     pub fn new(stage: &StagePlan) -> Self {
-        let linear = stage.linear.div_ceil(stage.rows) as u64;
-        let codes = if stage.is_dense() { 0 } else { stage.inputs as u64 };
+        let is_dense = stage.is_dense();
         Self::from_parts(SequencerParts {
-            two_rows: Constant::new(stage.reads_both_ports()),
-            has_linear: Constant::new(linear > 0),
-            linear_before_last: Constant::new(linear.saturating_sub(1).into()),
-            linear_single: Constant::new(linear == 1),
-            codes: Constant::new(codes.into()),
-            pass_rows: Constant::new((stage.pass_rows() as u64).into()),
-            set_rows: Constant::new((stage.weight_rows() as u64).into()),
-            last_pass: Constant::new((stage.passes() as u64 - 1).into()),
+            inputs: whole(stage.inputs),
+            pairs: whole((!is_dense).into()),
+            parts: whole(if is_dense { stage.rows } else { 1 }),
+            rows: whole(if is_dense { 1 } else { stage.rows }),
+            window_pixels: whole(stage.linear),
+            lanes: whole(stage.lanes),
+            outputs: whole(stage.outputs),
         })
     }
 }

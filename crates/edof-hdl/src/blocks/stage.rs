@@ -15,7 +15,7 @@ use super::registers::Registers;
 use super::results::Results;
 use super::sequencer::Sequencer;
 use super::window_ring::WindowRing;
-use super::{Descriptor, Pair, Row, role};
+use super::{Descriptor, Pair, Row, Whole, role, whole};
 use crate::describe::{Circuit, kernel};
 use crate::verilog::Optional;
 use edof_device::design::memory::{CONTROL_SKIP, Shifts, WHOLE_CHAIN, shift_image};
@@ -78,9 +78,22 @@ pub struct Stage {
     /// Word that `status_address` selected, one cycle later; 0 from all other stages.
     pub status: Signal<Out, Bits<32>>,
     id: Constant<Bits<4>>,
+    inputs: Constant<Whole>,
+    /// Pixels of the linear path (F).
+    window_pixels: Constant<Whole>,
+    /// Parts of a vector that are read in step (I).
+    parts: Constant<Whole>,
+    /// Outputs that are computed at a time.
+    lanes: Constant<Whole>,
+    outputs: Constant<Whole>,
+    /// Sets of weights.
+    sets: Constant<Whole>,
+    /// 1 where the next stage is an M, so that base words are sent.
+    feeds_m: Constant<Whole>,
     whole_chain: Constant<Bits<4>>,
     both_ports: Constant<Bit>,
     /// A linear path: windows come in, too (F).
+    #[is(window_pixels > 0)]
     has_linear: Constant<Bit>,
     read_register: Constant<Row>,
     skip_bit: Constant<Bits<32>>,
@@ -92,15 +105,19 @@ pub struct Stage {
     dense_operands: Optional<DenseOperands>,
     ring: Optional<WindowRing>,
     sequencer: Sequencer,
+    #[is(BANKS = lanes / 4)]
+    #[is(DEPTH = sets * (outputs / lanes) * (inputs / parts + window_pixels))]
     macc: MaccArray,
     drain: Drain,
+    #[is(CYCLES = (lanes + 31) / 32)]
     marks_to_groups: DelayOf<11>,
     results: Results,
     fifo: Fifo<34>,
+    #[is(DEPTH = 128 * feeds_m)]
     base_fifo: Fifo<32>,
     registers: Registers,
     counters: Counters,
-    check: FrameCheck<32>,
+    check: FrameCheck,
     reader: Reader,
     status_q: DFF<Bits<32>>,
     write_1: DFF<Bit>,
@@ -145,6 +162,13 @@ impl Stage {
         let sums = design.accumulator_bits;
         Self::from_parts(StageParts {
             id: Constant::new((stage.index as u64).into()),
+            inputs: whole(stage.inputs),
+            window_pixels: whole(stage.linear),
+            parts: whole(if is_dense { stage.rows } else { 1 }),
+            lanes: whole(stage.lanes),
+            outputs: whole(stage.outputs),
+            sets: whole(stage.sets),
+            feeds_m: whole(stage.feeds_m.into()),
             whole_chain: Constant::new((WHOLE_CHAIN as u64).into()),
             read_register: Constant::new((READ_REGISTER as u64).into()),
             skip_bit: Constant::new(u64::from(CONTROL_SKIP).into()),
@@ -153,12 +177,11 @@ impl Stage {
             pair_operands: Optional::when(!is_dense, || PairOperands::new(stage)),
             vectors: Optional::when(is_dense, || DenseStore::new(stage)),
             dense_operands: Optional::when(is_dense, DenseOperands::default),
-            has_linear: Constant::new(stage.linear > 0),
             ring: Optional::when(!is_dense, || WindowRing::new(stage)),
             sequencer: Sequencer::new(stage),
             macc: MaccArray::new(stage, sums, sets),
             drain: Drain::new(stage),
-            check: FrameCheck::new(design.patches_per_frame() * stage.beats_out()),
+            check: FrameCheck::new(32, design.patches_per_frame() * stage.beats_out()),
             marks_to_groups: DelayOf::new(stage.groups()),
             results: Results::new(design, stage, sets),
             fifo: Fifo::new(true),

@@ -1,7 +1,7 @@
 //! Windows that wait for F's linear path.
 
-use super::Pair;
 use super::ram::{Ram, Shape};
+use super::{Pair, Whole, whole};
 use crate::describe::{Circuit, kernel};
 use edof_device::design::{BEAT, StagePlan};
 use rust_hdl::prelude::*;
@@ -29,9 +29,18 @@ pub struct WindowRing {
     pub read_pixels: Signal<Out, Pair>,
     /// Frees the oldest window.
     pub finished: Signal<In, Bit>,
+    #[is(DEPTH = windows * if large { 128 } else { 32 })]
     ram: Ram<32>,
+    /// Pixels of a window.
+    window_pixels: Constant<Whole>,
+    /// Windows that are kept.
+    windows: Constant<Whole>,
+    /// Its pixels are more than those of a window of side 8: one of side 12 has 144, and takes four times as many rows.
+    #[is(window_pixels > 64)]
     large: Constant<Bit>,
+    #[is(if windows > 0 { windows - 1 } else { 0 })]
     last_window: Constant<Bits<6>>,
+    #[is(windows)]
     max_windows: Constant<Bits<7>>,
     #[reset(false)]
     write_q: DFF<Bit>,
@@ -60,15 +69,11 @@ impl WindowRing {
         let windows = stage.kept_windows;
         Self::from_parts(WindowRingParts {
             ram: Ram::new(Shape::registered(rows * windows), &[]),
-            large: Constant::new(rows > SMALL_ROWS),
-            last_window: Constant::new((windows as u64).saturating_sub(1).into()),
-            max_windows: Constant::new((windows as u64).into()),
+            window_pixels: whole(stage.linear),
+            windows: whole(windows),
         })
     }
 }
-
-/// Rows of two pixels of a window of side 8; one of side 12 has 72, and takes four times as many.
-const SMALL_ROWS: usize = 32;
 
 impl Logic for WindowRing {
     #[kernel]

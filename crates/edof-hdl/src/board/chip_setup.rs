@@ -76,7 +76,8 @@ pub struct ChipSetup {
     pub slots: [Signal<Out, Bits<32>>; 3],
     /// Register `chip_answer`.
     pub answer: Signal<Out, Bits<32>>,
-    #[formula("CLOCK_HZ / 1000 - 2")]
+    clock_hz: Constant<Bits<32>>,
+    #[is(clock_hz / 1000 - 2)]
     millisecond: Constant<Bits<24>>,
     attempts: Constant<Bits<4>>,
     pause: Constant<Bits<16>>,
@@ -152,7 +153,6 @@ pub struct ChipSetup {
     fail_cause: Signal<Local, Bits<3>>,
     is_host_access: Signal<Local, Bit>,
     status_word: Signal<Local, Bits<32>>,
-    _clock_hz: u64,
     _kinds: [&'static str; 15],
 }
 
@@ -166,7 +166,7 @@ impl ChipSetup {
         let shape = Shape { image: Some(image.into()), ..Shape::block(depth(program)) };
         let constant = |value: u64| Constant::new(value.into());
         Self::from_parts(ChipSetupParts {
-            millisecond: Constant::new((u64::from(pace.millisecond) - 2).into()),
+            clock_hz: Constant::new((1000 * u64::from(pace.millisecond)).into()),
             attempts: Constant::new((ATTEMPTS - 1).into()),
             pause: constant(PAUSE_MS),
             poll: constant(POLL_MS),
@@ -176,7 +176,6 @@ impl ChipSetup {
             numbers: std::array::from_fn(|number| Constant::new((number as u64).into())),
             program: Ram::new(shape, &words),
             master: I2cMaster::new(pace.i2c_quarter),
-            _clock_hz: 400_000 * u64::from(pace.i2c_quarter),
             _kinds: KINDS,
         })
     }

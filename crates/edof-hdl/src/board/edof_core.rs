@@ -148,7 +148,7 @@ pub struct EdofCore<const W: usize, const S: usize> {
     skip: Signal<Local, Bit>,
     realign: DFF<Bit>,
     // CRCs of frames: raw ones taken, pictures made, pictures that leave.
-    checks: [FrameCheck<16>; 3],
+    checks: [FrameCheck; 3],
     snapshot: DFF<Bit>,
     snapshot_register: Constant<Bits<6>>,
     check_frames: Signal<Local, Bits<32>>,
@@ -208,7 +208,7 @@ impl<const W: usize, const S: usize> EdofCore<W, S> {
             output_fifo: PixelFifo::new(crossing),
             video_out: VideoOut::new(timing),
             registers: BoardRegisters::new(design, identity),
-            checks: std::array::from_fn(|_| FrameCheck::new(design.frame.width * design.frame.height)),
+            checks: std::array::from_fn(|_| FrameCheck::new(16, design.frame.width * design.frame.height)),
             snapshot_register: Constant::new((SNAPSHOT_REGISTERS as u64).into()),
             _role: "",
         }))
@@ -446,13 +446,13 @@ impl<const W: usize, const S: usize> Logic for EdofCore<W, S> {
         }
         self.checks[2].reset.next = self.agents_reset.val();
         self.checks[0].valid.next = self.raw_fifo.from.valid.val() && self.raw_fifo.from.ready.val();
-        self.checks[0].data.next = self.raw_reader.pixels.data.val();
+        self.checks[0].data.next = bit_cast::<32, 16>(self.raw_reader.pixels.data.val());
         self.checks[1].valid.next =
             self.picture_fifo.to.valid.val() && self.picture_writer.pixels.ready.val();
-        self.checks[1].data.next = self.picture_fifo.to.data.val();
+        self.checks[1].data.next = bit_cast::<32, 16>(self.picture_fifo.to.data.val());
         self.checks[2].valid.next =
             self.picture_reader.pixels.valid.val() && self.output_fifo.from.ready.val();
-        self.checks[2].data.next = self.picture_reader.pixels.data.val();
+        self.checks[2].data.next = bit_cast::<32, 16>(self.picture_reader.pixels.data.val());
         self.snapshot.d.next = self.registers.weight_valid.val()
             && self.access.ready.val()
             && (self.registers.weight_address.val().get_bits::<6>(19) == self.snapshot_register.val());

@@ -29,7 +29,7 @@ enum Phase {
 /// pixels pass without a register, from a frame's first pixel on. With 1 they are thrown away, as soon as none is
 /// offered and not taken. Back to 0, a block in progress leaves first.
 #[derive(Circuit)]
-#[circuit(default(Crc), registers(clock, reset))]
+#[circuit(registers(clock, reset))]
 pub struct HostFrame {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -55,7 +55,7 @@ pub struct HostFrame {
     last_column: Constant<Bits<12>>,
     frame_blocks: Constant<Bits<16>>,
     ram: Ram<32>,
-    crc: Crc<32>,
+    crc: Crc,
     #[reset(false)]
     on: DFF<Bit>,
     // A frame of the source passes.
@@ -104,6 +104,7 @@ impl HostFrame {
             last_word: Constant::new((pixels as u64 / 2 - 1).into()),
             last_column: Constant::new((frame.width as u64 - 1).into()),
             frame_blocks: Constant::new(((frame.height / lines) as u64).into()),
+            crc: Crc::new(32),
             ram: Ram::new(Shape::registered(MAX_BLOCK_PIXELS / 2), &[]),
         })
     }

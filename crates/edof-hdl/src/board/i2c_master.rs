@@ -4,9 +4,6 @@ use crate::crossing::Sync;
 use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
-/// Quarters of a bit for which chips may hold the clock line down in one transfer, all together: 4 ms.
-const HOLD: u64 = 1600;
-
 /// Where a transfer is.
 #[derive(Copy, Clone, Debug, PartialEq, LogicState)]
 enum Phase {
@@ -82,11 +79,12 @@ pub struct I2cMaster {
     pub cause: Signal<Out, Bits<3>>,
     /// Byte that was read.
     pub value: Signal<Out, Bits<8>>,
-    #[formula("CLOCK_HZ / 400_000 - 2")]
+    clock_hz: Constant<Bits<32>>,
+    #[is(clock_hz / 400_000 - 2)]
     quarter: Constant<Bits<16>>,
-    #[formula("CLOCK_HZ / 250")]
+    /// Chips may hold the clock line down so long in one transfer, all together: 4 ms.
+    #[is(clock_hz / 250)]
     hold: Constant<Bits<24>>,
-    _clock_hz: u64,
     lines: Sync<2>,
     // Stands long before a bit needs it: what chooses a transfer is no part of the path to the phase.
     reads: DFF<Bit>,
@@ -119,12 +117,8 @@ impl I2cMaster {
     /// A master with the given cycles per quarter of a bit, at least 4.
     #[must_use]
     pub fn new(quarter: u32) -> Self {
-        let quarter = u64::from(quarter.max(4));
-        Self::from_parts(I2cMasterParts {
-            quarter: Constant::new((quarter - 2).into()),
-            hold: Constant::new((HOLD * quarter).into()),
-            _clock_hz: 400_000 * quarter,
-        })
+        let clock_hz = 400_000 * u64::from(quarter.max(4));
+        Self::from_parts(I2cMasterParts { clock_hz: Constant::new(clock_hz.into()) })
     }
 }
 

@@ -51,9 +51,9 @@ pub struct UartBus {
     pub bus: AxiLiteMaster,
     /// Frames that were given up.
     pub broken: Signal<Out, Bits<32>>,
-    #[formula("CLOCK_HZ / 10")]
+    clock_hz: Constant<Bits<32>>,
+    #[is(clock_hz / 10)]
     time_out: Constant<Bits<32>>,
-    _clock_hz: u64,
     receiver: UartReceiver,
     sender: UartSender,
     #[reset(Phase::Command)]
@@ -85,8 +85,7 @@ impl UartBus {
     #[must_use]
     pub fn new(cycles_per_bit: u16, time_out: u32) -> Self {
         Self::from_parts(UartBusParts {
-            time_out: Constant::new(u64::from(time_out).into()),
-            _clock_hz: 10 * u64::from(time_out),
+            clock_hz: Constant::new((10 * u64::from(time_out)).into()),
             receiver: UartReceiver::new(cycles_per_bit),
             sender: UartSender::new(cycles_per_bit),
         })

@@ -20,11 +20,11 @@ pub struct UartReceiver {
     pub valid: Signal<Out, Bit>,
     /// The received byte.
     pub byte: Signal<Out, Bits<8>>,
-    #[formula("CYCLES_PER_BIT - 1")]
+    cycles_per_bit: Constant<Bits<16>>,
+    #[is(cycles_per_bit - 1)]
     last_cycle: Constant<Bits<16>>,
-    #[formula("CYCLES_PER_BIT / 2")]
+    #[is(cycles_per_bit / 2)]
     half: Constant<Bits<16>>,
-    _cycles_per_bit: u16,
     sync: Sync<1>,
     #[reset(false)]
     busy: DFF<Bit>,
@@ -42,9 +42,7 @@ impl UartReceiver {
     #[must_use]
     pub fn new(cycles_per_bit: u16) -> Self {
         Self::from_parts(UartReceiverParts {
-            last_cycle: Constant::new((u64::from(cycles_per_bit) - 1).into()),
-            half: Constant::new((u64::from(cycles_per_bit) / 2).into()),
-            _cycles_per_bit: cycles_per_bit,
+            cycles_per_bit: Constant::new(u64::from(cycles_per_bit).into()),
         })
     }
 }

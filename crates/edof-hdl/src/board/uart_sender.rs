@@ -19,9 +19,9 @@ pub struct UartSender {
     pub byte: Signal<In, Bits<8>>,
     /// The line.
     pub line: Signal<Out, Bit>,
-    #[formula("CYCLES_PER_BIT - 1")]
+    cycles_per_bit: Constant<Bits<16>>,
+    #[is(cycles_per_bit - 1)]
     last_cycle: Constant<Bits<16>>,
-    _cycles_per_bit: u16,
     #[reset(false)]
     busy: DFF<Bit>,
     cycle: DFF<Bits<16>>,
@@ -35,8 +35,7 @@ impl UartSender {
     /// A sender for a line with the given cycles per bit.
     #[must_use]
     pub fn new(cycles_per_bit: u16) -> Self {
-        let last_cycle = Constant::new((u64::from(cycles_per_bit) - 1).into());
-        Self::from_parts(UartSenderParts { last_cycle, _cycles_per_bit: cycles_per_bit })
+        Self::from_parts(UartSenderParts { cycles_per_bit: Constant::new(u64::from(cycles_per_bit).into()) })
     }
 }
 

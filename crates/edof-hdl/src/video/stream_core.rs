@@ -96,7 +96,7 @@ pub struct StreamCore {
     #[reset(0)]
     busy_cycles_q: DFF<Bits<32>>,
     windows: WindowReorder,
-    check: FrameCheck<32>,
+    check: FrameCheck,
     snapshot_register: Constant<Bits<6>>,
     calculator: Chain,
     lines: Lines,
@@ -118,7 +118,7 @@ impl StreamCore {
     ) -> Result<Self, DesignError> {
         Ok(Self::from_parts(StreamCoreParts {
             windows: WindowReorder::of(design),
-            check: FrameCheck::new(design.patches_per_frame() * design.stage(0).beats_in()),
+            check: FrameCheck::new(32, design.patches_per_frame() * design.stage(0).beats_in()),
             snapshot_register: Constant::new((SNAPSHOT_REGISTERS as u64).into()),
             calculator: Chain::checked(design, sets)?,
             lines: Lines::of(design),

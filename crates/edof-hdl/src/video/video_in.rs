@@ -62,9 +62,9 @@ pub struct VideoIn {
     expected_width: Constant<Coordinate>,
     expected_height: Constant<Coordinate>,
     last_column: Constant<Coordinate>,
-    #[formula("4 * FRAME_CYCLES")]
+    frame_cycles: Constant<Bits<24>>,
+    #[is(4 * frame_cycles)]
     max_wait: Constant<Bits<24>>,
-    _frame_cycles: u32,
     hs_1: DFF<Bit>,
     vs_1: DFF<Bit>,
     de_1: DFF<Bit>,
@@ -137,7 +137,7 @@ pub struct VideoIn {
 }
 
 impl VideoIn {
-    /// For frames of one size. After `patience` cycles (at most 2²⁴ − 1) without an edge of the vertical sync there is no signal.
+    /// For frames of one size. After `max_wait` cycles (a multiple of 4 below 2²⁴) without an edge of the vertical sync there is no signal.
     #[must_use]
     pub fn new(frame: FrameSize, max_wait: u32) -> Self {
         let number = |value: usize| Constant::new((value as u64).into());
@@ -145,8 +145,7 @@ impl VideoIn {
             expected_width: number(frame.width),
             expected_height: number(frame.height),
             last_column: number(frame.width - 1),
-            max_wait: Constant::new(u64::from(max_wait).into()),
-            _frame_cycles: max_wait / 4,
+            frame_cycles: Constant::new(u64::from(max_wait / 4).into()),
         })
     }
 }

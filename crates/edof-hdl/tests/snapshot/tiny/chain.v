@@ -1,8 +1,6 @@
 // The stages of a design, I, each M, F: windows in, patches out. Where F has a linear path it takes the window
 // with I. The outputs `between_*` show what stands between the stages, for observation; they cost nothing where
 // they are left open.
-//
-// No output follows an input within the cycle.
 // From crates/edof-hdl/src/blocks/chain.rs (Chain).
 `default_nettype none
 module chain (
@@ -10,7 +8,6 @@ module chain (
   // Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until
   // something can be taken.
   input wire reset_i,
-
   input wire flush_i,                  // Drops every vector and nothing else; held for as long as `reset`.
   input wire window_valid_i,           // Two input pixels of a window are valid.
   output wire window_ready_o,          // The chain accepts a valid window beat in this cycle.
@@ -70,7 +67,6 @@ module chain (
   );
 
   wire stages_0_valid = guard_out_valid && stages_3_window_ready;
-
   wire stages_0_window_ready_unused;
   wire [31:0] stages_0_status;
   stage_i stages_0 (
@@ -86,14 +82,10 @@ module chain (
   wire stages_1_window_ready_unused;
   wire [31:0] stages_1_status;
   stage_mf #(
-    .ID(4'd1), .BOTH_PORTS(1'b0), .HAS_LINEAR(1'b0), .BANKS(2), .MACC_DEPTH(64), .ROWS(1),
-    .MACC_INIT("stage1_bank"), .BASE_FIFO_DEPTH(128), .TWO_ROWS(1'b0), .ALIGNS(1'b0), .LAST_WINDOW(6'd0),
-    .MAX_WINDOWS(7'd0), .RING_DEPTH(0), .LINEAR_BEFORE_LAST(8'd0), .PASS_ROWS(12'd16),
-    .SEQUENCER_SET_ROWS(12'd32), .LAST_PASS(6'd1), .BEFORE_LAST_TAKE(8'd3), .RELEASE_AT(8'd3),
-    .DRAIN_LAST_BEAT(8'd7), .NEEDED_CREDITS(8'd4), .RESULTS_SET_ROWS(12'd8), .SHRINKS(1'b1),
-    .PASSES_BASE(1'b1), .THRESHOLDS_DEPTH(16), .RESULTS_INIT("stage1_thresholds.mem"),
-    .CODE_FLAGS_CYCLES(3), .RESULT_TO_23_CYCLES(0), .BASE_BITS(48'hffffffffffff), .BASE_RING_DEPTH(1024),
-    .REGISTERS_INIT("stage1_shifts.mem"), .CHECK_LAST_BEAT(28'd383)
+    .ID(4'd1), .WINDOW_PIXELS(0), .LANES(8), .OUTPUTS(16), .FEEDS_M(1), .BOTH_PORTS(1'b0), .ROWS(1),
+    .MACC_INIT("stage1_bank"), .TWO_ROWS(1'b0), .ALIGNS(1'b0), .WINDOWS(0), .HAS_BASE(1), .SHRINKS(1'b1),
+    .RESULTS_INIT("stage1_thresholds.mem"), .BASE_BITS(48'hffffffffffff),
+    .REGISTERS_INIT("stage1_shifts.mem"), .LAST_BEAT(28'd383)
   ) stages_1 (
     .clock_i(clock_i), .reset_i(reset_i), .flush_i(flush_i), .valid_i(between_valid_0_o),
     .ready_o(between_ready_0_o), .data_i(between_data_0_o), .base_i(between_base_0_o),
@@ -108,14 +100,10 @@ module chain (
   wire stages_2_window_ready_unused;
   wire [31:0] stages_2_status;
   stage_mf #(
-    .ID(4'd2), .BOTH_PORTS(1'b0), .HAS_LINEAR(1'b0), .BANKS(2), .MACC_DEPTH(64), .ROWS(1),
-    .MACC_INIT("stage2_bank"), .BASE_FIFO_DEPTH(0), .TWO_ROWS(1'b0), .ALIGNS(1'b0), .LAST_WINDOW(6'd0),
-    .MAX_WINDOWS(7'd0), .RING_DEPTH(0), .LINEAR_BEFORE_LAST(8'd0), .PASS_ROWS(12'd16),
-    .SEQUENCER_SET_ROWS(12'd32), .LAST_PASS(6'd1), .BEFORE_LAST_TAKE(8'd3), .RELEASE_AT(8'd3),
-    .DRAIN_LAST_BEAT(8'd7), .NEEDED_CREDITS(8'd4), .RESULTS_SET_ROWS(12'd8), .SHRINKS(1'b1),
-    .PASSES_BASE(1'b1), .THRESHOLDS_DEPTH(16), .RESULTS_INIT("stage2_thresholds.mem"),
-    .CODE_FLAGS_CYCLES(3), .RESULT_TO_23_CYCLES(0), .BASE_BITS(48'hffffffffffff), .BASE_RING_DEPTH(1024),
-    .REGISTERS_INIT("stage2_shifts.mem"), .CHECK_LAST_BEAT(28'd383)
+    .ID(4'd2), .WINDOW_PIXELS(0), .LANES(8), .OUTPUTS(16), .FEEDS_M(0), .BOTH_PORTS(1'b0), .ROWS(1),
+    .MACC_INIT("stage2_bank"), .TWO_ROWS(1'b0), .ALIGNS(1'b0), .WINDOWS(0), .HAS_BASE(1), .SHRINKS(1'b1),
+    .RESULTS_INIT("stage2_thresholds.mem"), .BASE_BITS(48'hffffffffffff),
+    .REGISTERS_INIT("stage2_shifts.mem"), .LAST_BEAT(28'd383)
   ) stages_2 (
     .clock_i(clock_i), .reset_i(reset_i), .flush_i(flush_i), .valid_i(between_valid_1_o),
     .ready_o(between_ready_1_o), .data_i(between_data_1_o), .base_i(between_base_1_o),
@@ -128,17 +116,11 @@ module chain (
   );
 
   wire stages_3_window_valid = guard_out_valid && stages_0_ready;
-
   wire [31:0] stages_3_out_base_unused, stages_3_status;
   stage_mf #(
-    .ID(4'd3), .BOTH_PORTS(1'b1), .HAS_LINEAR(1'b1), .BANKS(8), .MACC_DEPTH(640), .ROWS(2),
-    .MACC_INIT("stage3_bank"), .BASE_FIFO_DEPTH(0), .TWO_ROWS(1'b1), .ALIGNS(1'b1), .LAST_WINDOW(6'h1f),
-    .MAX_WINDOWS(7'd32), .RING_DEPTH(1024), .LINEAR_BEFORE_LAST(8'd31), .PASS_ROWS(12'd80),
-    .SEQUENCER_SET_ROWS(12'd320), .LAST_PASS(6'd3), .BEFORE_LAST_TAKE(8'd15), .RELEASE_AT(8'd8),
-    .DRAIN_LAST_BEAT(8'd63), .NEEDED_CREDITS(8'd16), .RESULTS_SET_ROWS(12'd64), .SHRINKS(1'b0),
-    .PASSES_BASE(1'b0), .THRESHOLDS_DEPTH(0), .RESULTS_INIT(""), .CODE_FLAGS_CYCLES(0),
-    .RESULT_TO_23_CYCLES(6), .BASE_BITS(48'd0), .BASE_RING_DEPTH(0), .REGISTERS_INIT("stage3_shifts.mem"),
-    .CHECK_LAST_BEAT(28'd3071)
+    .ID(4'd3), .WINDOW_PIXELS(64), .LANES(32), .OUTPUTS(128), .FEEDS_M(0), .BOTH_PORTS(1'b1), .ROWS(2),
+    .MACC_INIT("stage3_bank"), .TWO_ROWS(1'b1), .ALIGNS(1'b1), .WINDOWS(32), .HAS_BASE(0), .SHRINKS(1'b0),
+    .RESULTS_INIT(""), .BASE_BITS(48'd0), .REGISTERS_INIT("stage3_shifts.mem"), .LAST_BEAT(28'd3071)
   ) stages_3 (
     .clock_i(clock_i), .reset_i(reset_i), .flush_i(flush_i), .valid_i(between_valid_2_o),
     .ready_o(between_ready_2_o), .data_i(between_data_2_o), .base_i(between_base_2_o),
@@ -150,15 +132,8 @@ module chain (
     .write_data_i(write_data_i), .status_address_i(status_address_i), .status_o(stages_3_status)
   );
 
-  reg [31:0] status_word;
-  always @* begin
-    status_word = guard_status_q;
-    status_word = status_word | stages_0_status;
-    status_word = status_word | stages_1_status;
-    status_word = status_word | stages_2_status;
-    status_word = status_word | stages_3_status;
-  end
-
+  wire [31:0] status_word = guard_status_q | stages_0_status | stages_1_status | stages_2_status
+      | stages_3_status;
   assign status_o = status_word;
 
   always @(posedge clock_i) begin

@@ -1,13 +1,10 @@
 // Counts up to two events per cycle. `count` is the value at the last snapshot. Reset and snapshot pass through
 // registers.
-//
-// No output follows an input within the cycle.
 // From crates/edof-hdl/src/blocks/counters.rs (Counter).
 `default_nettype none
 module counter (
   input wire clock_i,        // Clock.
   input wire reset_i,        // Sets the count to zero.
-
   input wire enable_i,       // Events are counted in this cycle.
   input wire [1:0] events_i, // Number of events in this cycle: the count of set bits.
   input wire snapshot_i,     // Copies the count to `count` and restarts from zero.
@@ -19,7 +16,6 @@ module counter (
   reg [31:0] count_q, latched_q;
 
   wire [3:0] marks = {snapshot_i, reset_i, snapshot_i, reset_i};
-
   wire [3:0] delayed;
   edof_delay #(.WIDTH(4), .CYCLES(1)) marks_q (.clock_i(clock_i), .data_i(marks), .data_o(delayed));
 

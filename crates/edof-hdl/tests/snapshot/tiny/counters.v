@@ -6,7 +6,6 @@
 module counters (
   input wire clock_i,             // Clock.
   input wire reset_i,             // Sets the count to zero.
-
   input wire enable_i,            // A beat enters the FIFO.
   input wire [1:0] nonzero_i,     // Which of its two words are not zero.
   input wire [1:0] results_i,     // Which results did not fit.
@@ -22,19 +21,16 @@ module counters (
     .clock_i(clock_i), .reset_i(reset_i), .enable_i(enable_i), .events_i(nonzero_i),
     .snapshot_i(snapshot_i), .count_o(count_nonzero_count)
   );
-
   wire [31:0] count_results_count;
   counter count_results (
     .clock_i(clock_i), .reset_i(reset_i), .enable_i(enable_i), .events_i(results_i),
     .snapshot_i(snapshot_i), .count_o(count_results_count)
   );
-
   wire [31:0] count_codes_count;
   counter count_codes (
     .clock_i(clock_i), .reset_i(reset_i), .enable_i(enable_i), .events_i(codes_i),
     .snapshot_i(snapshot_i), .count_o(count_codes_count)
   );
-
   wire [31:0] count_differences_count;
   counter count_differences (
     .clock_i(clock_i), .reset_i(reset_i), .enable_i(enable_i), .events_i(differences_i),

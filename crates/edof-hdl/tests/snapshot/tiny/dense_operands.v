@@ -1,12 +1,9 @@
 // From what a step read to a row of weights and up to four values, four cycles after the step. Values without
 // work are 0.
-//
-// No output follows an input within the cycle.
 // From crates/edof-hdl/src/blocks/dense_operands.rs (DenseOperands).
 `default_nettype none
 module dense_operands (
   input wire clock_i,           // Clock.
-
   input wire valid_i,           // There is a step.
   input wire first_i,           // The step is the first of its pass.
   input wire odd_i,             // The odd one of two elements is meant.
@@ -36,21 +33,14 @@ module dense_operands (
   wire [24:0] wide_b = {{9{value_b_3_q[15]}}, value_b_3_q};
   wire [24:0] wide_c = {{9{value_c_3_q[15]}}, value_c_3_q};
   wire [24:0] wide_d = {{9{value_d_3_q[15]}}, value_d_3_q};
-  assign value_a_o = value_a_4_q;
-  assign value_b_o = value_b_4_q;
-  assign value_c_o = value_c_4_q;
-  assign value_d_o = value_d_4_q;
+  assign value_a_o = value_a_4_q, value_b_o = value_b_4_q, value_c_o = value_c_4_q, value_d_o = value_d_4_q;
 
   wire [2:0] flags_to_2_delayed;
-  edof_delay #(.WIDTH(3), .CYCLES(2)) flags_to_2 (
-    .clock_i(clock_i), .data_i(flags), .data_o(flags_to_2_delayed)
-  );
-
+  edof_delay #(.WIDTH(3), .CYCLES(2))
+    flags_to_2 (.clock_i(clock_i), .data_i(flags), .data_o(flags_to_2_delayed));
   edof_delay #(.WIDTH(12), .CYCLES(3)) row_to_4 (.clock_i(clock_i), .data_i(row_q), .data_o(address_o));
-
-  edof_delay #(.WIDTH(1), .CYCLES(2)) first_to_4 (
-    .clock_i(clock_i), .data_i(flags_to_2_delayed[0]), .data_o(step_first_o)
-  );
+  edof_delay #(.WIDTH(1), .CYCLES(2))
+    first_to_4 (.clock_i(clock_i), .data_i(flags_to_2_delayed[0]), .data_o(step_first_o));
 
   always @(posedge clock_i) begin
     row_q <= base_i + offset_i;

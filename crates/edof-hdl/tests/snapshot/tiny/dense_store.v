@@ -2,14 +2,11 @@
 // once. Each holds a part of every vector, two elements a row, slot s from row 128 s on. Ready while fewer than
 // four slots are full. Row read_row of all parts is read two cycles later. A vector's descriptor comes three
 // cycles after its last beat.
-//
-// No output follows an input within the cycle.
 // From crates/edof-hdl/src/blocks/dense_store.rs (DenseStore).
 `default_nettype none
 module dense_store (
   input wire clock_i,              // Clock.
   input wire reset_i,              // Empties all slots.
-
   input wire valid_i,              // The input beat is valid.
   output wire ready_o,             // The block accepts a valid input in this cycle.
   input wire [31:0] data_i,        // Two elements of the beat, the even one low.
@@ -62,7 +59,6 @@ module dense_store (
 
   wire [11:0] parts_1_read_address = {3'd0, read_row_i};
   wire parts_1_write_enable = valid_1_q && (part_q == PART_IDS_1);
-
   edof_ram #(.WIDTH(32), .DEPTH(512), .BLOCK(2), .INIT("")) parts_1 (
     .clock_i(clock_i), .read_address_i(parts_1_read_address), .read_data_o(pair_b_o),
     .write_enable_i(parts_1_write_enable), .write_address_i(write_row), .write_data_i(data_1_q)

@@ -1,7 +1,5 @@
 // From what a step read to rows of weights and values, four cycles after the step: pairs, or pixels of the
 // window (F), shifted left where F aligns its two sums. A value without work is 0.
-//
-// No output follows an input within the cycle.
 // From crates/edof-hdl/src/blocks/pair_operands.rs (PairOperands).
 `default_nettype none
 module pair_operands #(
@@ -9,7 +7,6 @@ module pair_operands #(
   parameter TWO_ROWS = 1'b0
 ) (
   input wire clock_i,             // Clock.
-
   input wire valid_a_i,           // There is a step, with a first value.
   input wire valid_b_i,           // With a second one.
   input wire first_i,             // The step is the first of its pass.
@@ -37,11 +34,9 @@ module pair_operands #(
 
   // With the step, until what it read is there: bit 0 first, 1 valid, 2 a second valid, 3 window, 4 odd, 5 set.
   wire [5:0] flags = {set_i, odd_i, linear_i, valid_b_i, valid_a_i, first_i};
-
   wire [5:0] flags_to_2_delayed;
-  edof_delay #(.WIDTH(6), .CYCLES(2)) flags_to_2 (
-    .clock_i(clock_i), .data_i(flags), .data_o(flags_to_2_delayed)
-  );
+  edof_delay #(.WIDTH(6), .CYCLES(2))
+    flags_to_2 (.clock_i(clock_i), .data_i(flags), .data_o(flags_to_2_delayed));
 
   // Cycle 3: the pair or pixel.
   wire [24:0] pair_a = flags_to_2_delayed[4] ? odd_pair_i : even_pair_i;
@@ -51,19 +46,14 @@ module pair_operands #(
   // Cycle 4: aligned, and its row.
   wire [24:0] wide_a = {{9{value_a_3_q[15]}}, value_a_3_q};
   wire [24:0] wide_b = {{9{value_b_3_q[15]}}, value_b_3_q};
-  assign address_a_o = address_a_4_q;
-  assign address_b_o = address_b_4_q;
-  assign value_a_o = value_a_4_q;
+  assign address_a_o = address_a_4_q, address_b_o = address_b_4_q, value_a_o = value_a_4_q;
   assign value_b_o = value_b_4_q;
 
   wire [23:0] rows_to_2_delayed;
-  edof_delay #(.WIDTH(24), .CYCLES(2)) rows_to_2 (
-    .clock_i(clock_i), .data_i({base_i, offset_i}), .data_o(rows_to_2_delayed)
-  );
-
-  edof_delay #(.WIDTH(1), .CYCLES(2)) first_to_4 (
-    .clock_i(clock_i), .data_i(flags_to_2_delayed[0]), .data_o(step_first_o)
-  );
+  edof_delay #(.WIDTH(24), .CYCLES(2))
+    rows_to_2 (.clock_i(clock_i), .data_i({base_i, offset_i}), .data_o(rows_to_2_delayed));
+  edof_delay #(.WIDTH(1), .CYCLES(2))
+    first_to_4 (.clock_i(clock_i), .data_i(flags_to_2_delayed[0]), .data_o(step_first_o));
 
   always @(posedge clock_i) begin
     value_a_3_q <= pair_a[15:0];

@@ -2,8 +2,6 @@
 // as there are passes. Ready while fewer than four are full. With skip_zeros only non-zero elements are kept.
 // Pair 2r of slot s lies at row 128 s + r of the even memory, pair 2r + 1 at the same row of the odd one; both
 // are read two cycles after read_row. A vector's descriptor comes three cycles after its last beat.
-//
-// No output follows an input within the cycle.
 // From crates/edof-hdl/src/blocks/pair_store.rs (PairStore).
 `default_nettype none
 module pair_store #(
@@ -11,7 +9,6 @@ module pair_store #(
 ) (
   input wire clock_i,              // Clock.
   input wire reset_i,              // Empties all slots.
-
   input wire skip_zeros_i,         // Whether zeros are left out.
   input wire valid_i,              // The input beat is valid.
   output wire ready_o,             // The block accepts a valid input in this cycle.
@@ -56,7 +53,7 @@ module pair_store #(
   wire [24:0] arrived_even = {beat_q, 1'b0, even_2_q};
   wire [24:0] arrived_odd = {beat_q, 1'b0, odd_2_q} | 25'h10000;
   wire [24:0] arrived_first = store_even_2_q ? arrived_even : arrived_odd;
-  wire [11:0] row = ({10'd0, write_slot_q} << 7) | {4'd0, stored_q[8:1]};
+  wire [11:0] row = {3'd0, write_slot_q, 7'd0} | {4'd0, stored_q[8:1]};
   wire [8:0] stored_next = store_both ? (stored_q + 9'd2) : (store_one ? (stored_q + 9'd1) : stored_q);
   wire [8:0] before_last = count_3_q - 9'd1;
 
@@ -64,15 +61,14 @@ module pair_store #(
   reg [3:0] flags;
   always @* begin
     steps = before_last[7:0];
-    flags = 4'd0;
-    if (set_3_q) flags = 4'd1;
+    flags = {3'd0, set_3_q};
     if (count_3_q[0]) flags = flags | 4'd2;
     if (count_3_q == 9'd1) flags = flags | 4'd8;
     if (TWO_ROWS) begin
       steps = before_last[8:1];
       if (count_3_q == 9'd2) flags = flags | 4'd8;
     end
-    if (!(|count_3_q)) begin
+    if (count_3_q == 9'd0) begin
       steps = 8'd0;
       flags = flags | 4'he;
     end
@@ -85,7 +81,6 @@ module pair_store #(
     .clock_i(clock_i), .read_address_i({3'd0, read_row_i}), .read_data_o(even_pair_o),
     .write_enable_i(even_write_3_q), .write_address_i(even_row_3_q), .write_data_i(even_data_3_q)
   );
-
   edof_ram #(.WIDTH(25), .DEPTH(512), .BLOCK(2), .INIT("")) odd_pairs (
     .clock_i(clock_i), .read_address_i({3'd0, read_row_i}), .read_data_o(odd_pair_o),
     .write_enable_i(odd_write_3_q), .write_address_i(odd_row_3_q), .write_data_i(odd_data_3_q)

@@ -10,7 +10,6 @@
 module reader (
   input wire clock_i,               // Clock.
   input wire reset_i,               // Stops and forgets.
-
   input wire starts_i,              // A command comes (`edof_device::design::reading::read_command`).
   // The command: space (2 bits), bank (6), first row (12), rows after it (12).
   input wire [31:0] command_i,
@@ -48,18 +47,14 @@ module reader (
   wire [63:0] rotated = word_q[0] ? ((word_q >> 1) | TOP) : (word_q >> 1);
   assign request_weights_o = request_q && (space_q == 2'd0);
   assign request_thresholds_o = request_q && ((space_q == 2'd1) || (space_q == 2'd2));
-  assign bank_o = bank_q;
-  assign row_o = row_q;
+  assign bank_o = bank_q, row_o = row_q;
 
   reg [31:0] status_word;
   always @* begin
     case (select_i)
       2'd1: status_word = word_q[31:0];
       2'd2: status_word = word_q[63:32];
-      2'd3: begin
-        status_word = 32'd0;
-        if (is_active_q) status_word = 32'd1;
-      end
+      2'd3: status_word = {31'd0, is_active_q};
       default: status_word = ~crc_q;
     endcase
   end

@@ -1,7 +1,5 @@
 // What the host sets in a stage: shifts of both sets (result 6 bits, base 6, code 4, linear path 4), and
 // control.
-//
-// No output follows an input within the cycle.
 // From crates/edof-hdl/src/blocks/registers.rs (Registers).
 `default_nettype none
 module registers #(
@@ -9,7 +7,6 @@ module registers #(
 ) (
   input wire clock_i,             // Clock.
   input wire reset_i,             // Back to the values of the generated design; held for two cycles or more.
-
   input wire write_enable_i,      // Writes a register.
   input wire [11:0] write_row_i,  // Which: 0 and 1 are the shifts of each set, 2 is control.
   input wire [31:0] write_data_i, // New value of the register.
@@ -23,9 +20,7 @@ module registers #(
   reg [19:0] shifts_0_q, shifts_1_q;
   reg skip_q;
 
-  assign shifts_0_o = shifts_0_q;
-  assign shifts_1_o = shifts_1_q;
-  assign skip_zeros_o = skip_q;
+  assign shifts_0_o = shifts_0_q, shifts_1_o = shifts_1_q, skip_zeros_o = skip_q;
 
   wire [19:0] start_first, second;
   edof_start #(.WIDTH(20), .INIT(INIT)) start (.clock_i(clock_i), .first_o(start_first), .second_o(second));
@@ -43,7 +38,6 @@ module registers #(
     end
   end
 
-  // Not every bit of these is read.
-  wire unused = ^write_data_i;
+  wire unused = ^write_data_i; // Not every bit is read.
 endmodule
 `default_nettype wire

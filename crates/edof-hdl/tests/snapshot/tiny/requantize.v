@@ -2,15 +2,12 @@
 // later. half is 2^(result_shift - 1), or 0 for a shift of 0. Numbers are in two's complement. Shifts are made
 // in two cycles each, by less than eight and by eights; additions in two, half by half; what does not fit is
 // known a cycle before it is replaced.
-//
-// No output follows an input within the cycle.
 // From crates/edof-hdl/src/blocks/requantize.rs (Requantize).
 `default_nettype none
 module requantize #(
   parameter [47:0] BASE_BITS = 48'd0
 ) (
   input wire clock_i,              // Clock.
-
   input wire [47:0] sum_i,         // Sum out of the multipliers.
   input wire [15:0] base_i,        // Base word of the same element.
   input wire [5:0] base_shift_i,   // Left shift of the base word.
@@ -33,19 +30,14 @@ module requantize #(
 
   wire [47:0] sum_to_4_delayed;
   edof_delay #(.WIDTH(48), .CYCLES(4)) sum_to_4 (.clock_i(clock_i), .data_i(sum_i), .data_o(sum_to_4_delayed));
-
   wire [5:0] shift_to_6_delayed;
-  edof_delay #(.WIDTH(6), .CYCLES(6)) shift_to_6 (
-    .clock_i(clock_i), .data_i(result_shift_i), .data_o(shift_to_6_delayed)
-  );
+  edof_delay #(.WIDTH(6), .CYCLES(6))
+    shift_to_6 (.clock_i(clock_i), .data_i(result_shift_i), .data_o(shift_to_6_delayed));
 
   wire [5:0] coarse_to_1_data = base_shift_i & 6'h38;
-
   wire [5:0] coarse_to_1_delayed;
-  edof_delay #(.WIDTH(6), .CYCLES(1)) coarse_to_1 (
-    .clock_i(clock_i), .data_i(coarse_to_1_data), .data_o(coarse_to_1_delayed)
-  );
-
+  edof_delay #(.WIDTH(6), .CYCLES(1))
+    coarse_to_1 (.clock_i(clock_i), .data_i(coarse_to_1_data), .data_o(coarse_to_1_delayed));
   wire [47:0] with_half_sum;
   edof_add with_half (.clock_i(clock_i), .a_i(aligned_2_q), .b_i(half_2_q), .sum_o(with_half_sum));
   wire [47:0] total_sum;
@@ -56,8 +48,7 @@ module requantize #(
 
   // Cycles 9 and 10: saturation. In a value that fits, all bits from the sign bit on are equal.
   wire [47:0] outside = shifted_8_q[47] ? (~shifted_8_q & BEYOND) : (shifted_8_q & BEYOND);
-  assign result_o = result_q;
-  assign saturated_o = saturated_q;
+  assign result_o = result_q, saturated_o = saturated_q;
 
   always @(posedge clock_i) begin
     fine_1_q <= extended << (base_shift_i & 6'd7);

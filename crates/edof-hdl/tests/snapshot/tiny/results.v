@@ -1,26 +1,19 @@
 // From sums to output words, two elements per cycle. Counted from `take`: 7 sums and base stand here, 8 to 17
 // base, rounding, shift and saturation, 18 to 20 threshold, 21 to 23 difference or wait. Nothing in here ever
 // stalls. A memory of depth 0 and a delay of 0 cycles are absent: what only other stages need costs nothing.
-//
-// No output follows an input within the cycle.
 // From crates/edof-hdl/src/blocks/results.rs (Results).
 `default_nettype none
 module results #(
-  parameter [11:0] SET_ROWS = 12'd8,
-  parameter SHRINKS = 1'b1,     // Codes are sent (I, M), not results (F).
-  parameter PASSES_BASE = 1'b0, // Base words for the next stage are those that came in.
-  parameter THRESHOLDS_DEPTH = 16,
+  parameter OUTPUTS = 16,
+  parameter HAS_BASE = 0,   // 1 where a base is added (M).
+  parameter FEEDS_M = 1,    // 1 where the next stage is an M, so that base words are sent.
+  parameter SHRINKS = 1'b1, // Codes are sent (I, M), not results (F).
   parameter INIT = "stage0_thresholds.mem",
-  parameter CODE_FLAGS_CYCLES = 3,
-  parameter RESULT_TO_23_CYCLES = 0,
-  parameter BASE_TO_23_CYCLES = 6,
   parameter [47:0] BASE_BITS = 48'd0,
-  parameter [6:0] LAST_BEAT = 7'd31,
-  parameter BASE_RING_DEPTH = 0
+  parameter INPUTS = 64
 ) (
   input wire clock_i,                      // Clock.
   input wire reset_i,                      // Forgets everything.
-
   input wire take_i,                       // Two sums are taken, and stand on the inputs seven cycles later.
   input wire [7:0] beat_i,                 // Which two of their vector.
   input wire last_i,                       // The two sums are the last of their vector.
@@ -51,6 +44,10 @@ module results #(
   output wire [1:0] difference_saturated_o // Which differences did not fit.
 );
 
+  localparam DIFFERS = 0;                      // 1 where the difference to the codes before is sent.
+  localparam [31:0] SET_ROWS = OUTPUTS / 2;
+  localparam PASSES_BASE = HAS_BASE > DIFFERS; // Base words for the next stage are those that came in.
+
   reg read_16_q, read_17_q, base_mark_q;
   reg [11:0] threshold_row_q, shifts_q;
   wire [31:0] base_ring_front;
@@ -60,24 +57,17 @@ module results #(
   wire [9:0] place = {take_i, set_i, beat_i};
 
   wire [2:0] marks_to_5_delayed;
-  edof_delay #(.WIDTH(3), .CYCLES(5)) marks_to_5 (
-    .clock_i(clock_i), .data_i(marks), .data_o(marks_to_5_delayed)
-  );
-
+  edof_delay #(.WIDTH(3), .CYCLES(5))
+    marks_to_5 (.clock_i(clock_i), .data_i(marks), .data_o(marks_to_5_delayed));
   wire [2:0] marks_to_6_delayed;
-  edof_delay #(.WIDTH(3), .CYCLES(1)) marks_to_6 (
-    .clock_i(clock_i), .data_i(marks_to_5_delayed), .data_o(marks_to_6_delayed)
-  );
-
+  edof_delay #(.WIDTH(3), .CYCLES(1))
+    marks_to_6 (.clock_i(clock_i), .data_i(marks_to_5_delayed), .data_o(marks_to_6_delayed));
   wire [2:0] marks_to_23_delayed;
-  edof_delay #(.WIDTH(3), .CYCLES(17)) marks_to_23 (
-    .clock_i(clock_i), .data_i(marks_to_6_delayed), .data_o(marks_to_23_delayed)
-  );
-
+  edof_delay #(.WIDTH(3), .CYCLES(17))
+    marks_to_23 (.clock_i(clock_i), .data_i(marks_to_6_delayed), .data_o(marks_to_23_delayed));
   wire [9:0] place_to_15_delayed;
-  edof_delay #(.WIDTH(10), .CYCLES(15)) place_to_15 (
-    .clock_i(clock_i), .data_i(place), .data_o(place_to_15_delayed)
-  );
+  edof_delay #(.WIDTH(10), .CYCLES(15))
+    place_to_15 (.clock_i(clock_i), .data_i(place), .data_o(place_to_15_delayed));
 
   wire [15:0] requantize_even_result;
   wire requantize_even_saturated;
@@ -104,12 +94,12 @@ module results #(
     .data_o(result_saturated_o)
   );
 
-  base_ring #(.LAST_BEAT(LAST_BEAT), .DEPTH(BASE_RING_DEPTH)) base_ring (
+  base_ring #(.HAS_BASE(HAS_BASE), .INPUTS(INPUTS)) base_ring (
     .clock_i(clock_i), .reset_i(reset_i), .write_i(base_write_i), .words_i(base_words_i),
     .read_i(marks_to_5_delayed[0]), .front_o(base_ring_front)
   );
 
-  edof_ram #(.WIDTH(32), .DEPTH(THRESHOLDS_DEPTH), .BLOCK(0), .INIT(INIT)) thresholds (
+  edof_ram #(.WIDTH(32), .DEPTH(SHRINKS ? OUTPUTS : 0), .BLOCK(0), .INIT(INIT)) thresholds (
     .clock_i(clock_i), .read_address_i(threshold_row_q), .read_data_o(read_thresholds_o),
     .write_enable_i(write_thresholds_i), .write_address_i(write_row_i), .write_data_i(write_data_i)
   );
@@ -130,33 +120,26 @@ module results #(
 
   wire [31:0] code = {shrink_odd_result, shrink_even_result};
 
-  edof_delay #(.WIDTH(2), .CYCLES(CODE_FLAGS_CYCLES)) code_flags (
+  edof_delay #(.WIDTH(2), .CYCLES(SHRINKS ? 3 : 0)) code_flags (
     .clock_i(clock_i), .data_i({shrink_odd_saturated, shrink_even_saturated}), .data_o(code_saturated_o)
   );
-
   wire [31:0] codes_to_23_delayed;
-  edof_delay #(.WIDTH(32), .CYCLES(CODE_FLAGS_CYCLES)) codes_to_23 (
-    .clock_i(clock_i), .data_i(code), .data_o(codes_to_23_delayed)
-  );
-
+  edof_delay #(.WIDTH(32), .CYCLES(SHRINKS ? 3 - 3 * DIFFERS : 0))
+    codes_to_23 (.clock_i(clock_i), .data_i(code), .data_o(codes_to_23_delayed));
   wire [31:0] result_to_23_delayed;
-  edof_delay #(.WIDTH(32), .CYCLES(RESULT_TO_23_CYCLES)) result_to_23 (
-    .clock_i(clock_i), .data_i(result), .data_o(result_to_23_delayed)
-  );
+  edof_delay #(.WIDTH(32), .CYCLES(SHRINKS ? 0 : 6))
+    result_to_23 (.clock_i(clock_i), .data_i(result), .data_o(result_to_23_delayed));
 
   wire [31:0] sent = SHRINKS ? codes_to_23_delayed : result_to_23_delayed;
   assign difference_saturated_o = {1'b0, 1'b0};
   assign base_push_o = PASSES_BASE ? base_mark_q : marks_to_23_delayed[0];
 
   wire [31:0] base_to_23_delayed;
-  edof_delay #(.WIDTH(32), .CYCLES(BASE_TO_23_CYCLES)) base_to_23 (
-    .clock_i(clock_i), .data_i(result), .data_o(base_to_23_delayed)
-  );
+  edof_delay #(.WIDTH(32), .CYCLES(PASSES_BASE ? 0 : 6 * FEEDS_M))
+    base_to_23 (.clock_i(clock_i), .data_i(result), .data_o(base_to_23_delayed));
 
   assign base_o = PASSES_BASE ? base_ring_front : base_to_23_delayed;
-  assign data_o = sent;
-  assign push_o = marks_to_23_delayed[0];
-  assign done_o = marks_to_23_delayed[2:1];
+  assign data_o = sent, push_o = marks_to_23_delayed[0], done_o = marks_to_23_delayed[2:1];
   assign nonzero_o = {|sent[31:16], |sent[15:0]};
 
   always @(posedge clock_i) begin
@@ -164,7 +147,7 @@ module results #(
     if (marks_to_6_delayed[2]) shifts_q <= shifts_1_i[11:0];
     // Cycles 18 to 20: thresholds, read in cycle 17.
     threshold_row_q <= {4'd0, place_to_15_delayed[7:0]};
-    if (place_to_15_delayed[8]) threshold_row_q <= {4'd0, place_to_15_delayed[7:0]} + SET_ROWS;
+    if (place_to_15_delayed[8]) threshold_row_q <= {4'd0, place_to_15_delayed[7:0]} + SET_ROWS[11:0];
     read_16_q <= read_wanted_i;
     if (place_to_15_delayed[9]) read_16_q <= 1'b0;
     else threshold_row_q <= read_row_i;
@@ -172,7 +155,6 @@ module results #(
     base_mark_q <= marks_to_6_delayed[0];
   end
 
-  // Not every bit of these is read.
-  wire unused = ^{shifts_0_i, shifts_1_i};
+  wire unused = ^{shifts_0_i, shifts_1_i}; // Not every bit is read.
 endmodule
 `default_nettype wire

@@ -4,22 +4,19 @@
 // `steal_next`, no step is issued and the current pass is held. At most two passes are begun and not released.
 // The registers that decide whether a pass begins are all in this block, so that the decision crosses no
 // distance (docs/fabric.md).
-//
-// No output follows an input within the cycle.
 // From crates/edof-hdl/src/blocks/sequencer.rs (Sequencer).
 `default_nettype none
 module sequencer #(
-  parameter TWO_ROWS = 1'b0,
-  parameter HAS_LINEAR = 1'b0,
-  parameter [7:0] LINEAR_BEFORE_LAST = 8'd0,
-  parameter [11:0] CODES = 12'd0,
-  parameter [11:0] PASS_ROWS = 12'd32,
-  parameter [11:0] SET_ROWS = 12'd32,
-  parameter [5:0] LAST_PASS = 6'd0
+  parameter INPUTS = 64,
+  parameter PAIRS = 0,         // 1 where elements come as pairs of index and value (M, F).
+  parameter PARTS = 2,         // Parts of a vector that are read in step (I).
+  parameter ROWS = 1,          // Rows of weights in a step (M, F).
+  parameter WINDOW_PIXELS = 0, // Pixels of the linear path (F).
+  parameter LANES = 16,        // Outputs that are computed at a time.
+  parameter OUTPUTS = 16
 ) (
   input wire clock_i,              // Clock.
   input wire reset_i,              // Back to the start.
-
   input wire arrived_i,            // A vector is whole.
   // What must be known of it: steps before its last one (8 bits), one step only, no pairs, an odd number, set.
   input wire [11:0] descriptor_i,
@@ -41,7 +38,11 @@ module sequencer #(
   output wire finished_o           // The step is the last of its vector.
 );
 
-  localparam LINEAR_SINGLE = 1'b0;
+  localparam TWO_ROWS = ROWS == 2, HAS_LINEAR = WINDOW_PIXELS > 0;
+  localparam [31:0] LINEAR_BEFORE_LAST = WINDOW_PIXELS > 0 ? (WINDOW_PIXELS - 1) / ROWS : 0;
+  localparam LINEAR_SINGLE = WINDOW_PIXELS == ROWS;
+  localparam [31:0] CODES = PAIRS * INPUTS, PASS_ROWS = INPUTS / PARTS + WINDOW_PIXELS,
+      SET_ROWS = OUTPUTS / LANES * (INPUTS / PARTS + WINDOW_PIXELS), LAST_PASS = OUTPUTS / LANES - 1;
 
   reg [1:0] write_slot_q, slot_q, open_q, job_slot_q, slot_q_2;
   reg [11:0] descriptor_0_q, descriptor_1_q, descriptor_2_q, descriptor_3_q, pass_row_q, job_q, job_row_q;
@@ -74,11 +75,9 @@ module sequencer #(
   assign valid_a_o = step_valid && (linear_q || !empty_q);
   assign valid_b_o = step_valid && (linear_q || (!(at_end_q && odd_count_q)));
   assign first_o = step_valid && first_q;
-  assign linear_o = linear_q;
-  assign set_o = set_q;
-  assign base_o = base_q;
+  assign linear_o = linear_q, set_o = set_q, base_o = base_q;
   assign odd_o = !TWO_ROWS && step_q[0];
-  assign offset_o = TWO_ROWS ? (CODES + ({4'd0, step_q} << 1)) : (CODES + {4'd0, step_q});
+  assign offset_o = TWO_ROWS ? (CODES[11:0] + {3'd0, step_q, 1'b0}) : (CODES[11:0] + {4'd0, step_q});
   wire [6:0] row = TWO_ROWS ? step_q[6:0] : step_q[7:1];
   assign read_row_o = {slot_q_2, row};
   assign read_pixels_o = row;
@@ -100,7 +99,7 @@ module sequencer #(
     // The pass that begins next.
     if (grant) begin
       pass_q <= pass_q + 6'd1;
-      pass_row_q <= pass_row_q + PASS_ROWS;
+      pass_row_q <= pass_row_q + PASS_ROWS[11:0];
       if (job_is_last_q) begin
         pass_q <= 6'd0;
         pass_row_q <= 12'd0;
@@ -112,9 +111,9 @@ module sequencer #(
     may_begin_q <= (|waiting_q) && !grant && (!open_q[1] || release_i);
     job_q <= next;
     job_slot_q <= slot_q;
-    job_is_last_q <= pass_q == LAST_PASS;
+    job_is_last_q <= pass_q == LAST_PASS[5:0];
     job_row_q <= pass_row_q;
-    if (next[0]) job_row_q <= pass_row_q + SET_ROWS;
+    if (next[0]) job_row_q <= pass_row_q + SET_ROWS[11:0];
     // The step of the next cycle.
     if (step_valid) begin
       first_q <= 1'b0;
@@ -123,7 +122,7 @@ module sequencer #(
       step_q <= step_q + 8'd1;
       if (at_end_q) begin
         linear_q <= 1'b1;
-        remaining_q <= LINEAR_BEFORE_LAST;
+        remaining_q <= LINEAR_BEFORE_LAST[7:0];
         at_end_q <= LINEAR_SINGLE;
         step_q <= 8'd0;
       end

@@ -1,12 +1,9 @@
 // The soft threshold of one element, three cycles later: sign(b) max(|b| - theta, 0) where two_sided, else
 // max(b - theta, 0).
-//
-// No output follows an input within the cycle.
 // From crates/edof-hdl/src/blocks/shrink.rs (Shrink).
 `default_nettype none
 module shrink (
   input wire clock_i,            // Clock.
-
   input wire [15:0] code_i,      // b.
   input wire [15:0] threshold_i, // θ.
   output wire [15:0] result_o,   // z.
@@ -23,8 +20,7 @@ module shrink (
   // Cycle 1: how far it is from both ends of the dead zone.
   wire [16:0] wide_code = {code_i[15], code_i};
   wire [16:0] wide_threshold = {threshold_i[15], threshold_i};
-  assign result_o = result_q;
-  assign saturated_o = saturated_q;
+  assign result_o = result_q, saturated_o = saturated_q;
 
   wire [16:0] result_q_value = MAX;
   always @(posedge clock_i) begin
@@ -50,7 +46,6 @@ module shrink (
     end
   end
 
-  // Not every bit of these is read.
-  wire unused = ^result_q_value;
+  wire unused = ^result_q_value; // Not every bit is read.
 endmodule
 `default_nettype wire

@@ -1,8 +1,6 @@
 // One stage of the calculator, I, M or F: vectors in, vectors out, two elements a beat; docs/calculator.md has
 // its cycles. Values are multiplied as they come out of the store; sums are copied, drained, rounded, shrunk
 // and sent on.
-//
-// No output follows an input within the cycle.
 // From crates/edof-hdl/src/blocks/stage.rs (Stage).
 `default_nettype none
 module stage_i (
@@ -10,7 +8,6 @@ module stage_i (
   // Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until
   // something can be taken.
   input wire reset_i,
-
   input wire flush_i,                // Drops every vector and nothing else; held for as long as `reset`.
   input wire valid_i,                // The input beat is valid.
   output wire ready_o,               // The block accepts a valid input in this cycle.
@@ -34,7 +31,15 @@ module stage_i (
   output wire [31:0] status_o
 );
 
-  localparam [3:0] ID = 4'd0, WHOLE_CHAIN = 4'd15;
+  localparam [3:0] ID = 4'd0;
+  localparam INPUTS = 64;
+  localparam WINDOW_PIXELS = 0; // Pixels of the linear path (F).
+  localparam PARTS = 2;         // Parts of a vector that are read in step (I).
+  localparam LANES = 16;        // Outputs that are computed at a time.
+  localparam OUTPUTS = 16;
+  localparam SETS = 2;          // Sets of weights.
+  localparam FEEDS_M = 1;       // 1 where the next stage is an M, so that base words are sent.
+  localparam [3:0] WHOLE_CHAIN = 4'd15;
   localparam BOTH_PORTS = 1'b0;
   localparam [11:0] READ_REGISTER = 12'd3;
   localparam [31:0] SKIP_BIT = 32'd1;
@@ -55,14 +60,11 @@ module stage_i (
   assign window_ready_o = 1'b1;
 
   wire [7:0] reset_parts_delayed;
-  edof_delay #(.WIDTH(8), .CYCLES(1)) reset_parts (
-    .clock_i(clock_i), .data_i(resets), .data_o(reset_parts_delayed)
-  );
-
+  edof_delay #(.WIDTH(8), .CYCLES(1))
+    reset_parts (.clock_i(clock_i), .data_i(resets), .data_o(reset_parts_delayed));
   wire reset_registers_delayed;
-  edof_delay #(.WIDTH(1), .CYCLES(1)) reset_registers (
-    .clock_i(clock_i), .data_i(reset_i), .data_o(reset_registers_delayed)
-  );
+  edof_delay #(.WIDTH(1), .CYCLES(1))
+    reset_registers (.clock_i(clock_i), .data_i(reset_i), .data_o(reset_registers_delayed));
 
   wire vectors_arrived;
   wire [11:0] vectors_descriptor;
@@ -94,8 +96,7 @@ module stage_i (
   wire sequencer_valid_b_unused, sequencer_linear_unused, sequencer_set, pass_issued;
   wire [6:0] sequencer_read_pixels_unused;
   sequencer #(
-    .TWO_ROWS(1'b0), .HAS_LINEAR(1'b0), .LINEAR_BEFORE_LAST(8'd0), .CODES(12'd0), .PASS_ROWS(12'd32),
-    .SET_ROWS(12'd32), .LAST_PASS(6'd0)
+    .INPUTS(64), .PAIRS(0), .PARTS(2), .ROWS(1), .WINDOW_PIXELS(0), .LANES(16), .OUTPUTS(16)
   ) sequencer (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[2]), .arrived_i(vectors_arrived),
     .descriptor_i(vectors_descriptor), .release_i(release_), .steal_next_i(sequencer_steal_next),
@@ -107,7 +108,10 @@ module stage_i (
 
   wire [47:0] sum_even, sum_odd;
   wire [63:0] read_data;
-  edof_macc_array #(.BANKS(4), .DEPTH(64), .ROWS(2), .DENSE(1), .SUM(48), .INIT("stage0_bank")) macc (
+  edof_macc_array #(
+    .BANKS(LANES / 4), .DEPTH(SETS * (OUTPUTS / LANES) * (INPUTS / PARTS + WINDOW_PIXELS)), .ROWS(2),
+    .DENSE(1), .SUM(48), .INIT("stage0_bank")
+  ) macc (
     .clock_i(clock_i), .first_i(step_first), .address_a_i(address), .address_b_i(12'd0),
     .value_a_i(dense_operands_value_a), .value_b_i(dense_operands_value_b),
     .value_c_i(dense_operands_value_c), .value_d_i(dense_operands_value_d), .copy_i(drain_copy),
@@ -120,7 +124,7 @@ module stage_i (
 
   wire [7:0] drain_beat;
   wire drain_last, take_set;
-  drain #(.BEFORE_LAST_TAKE(8'd7), .RELEASE_AT(8'd7), .LAST_BEAT(8'd7), .NEEDED_CREDITS(8'd8)) drain (
+  drain #(.LANES(16), .OUTPUTS(16)) drain (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[3]), .pass_issued_i(pass_issued),
     .set_i(sequencer_set), .credit_return_i(out_valid_o && out_ready_i), .release_o(release_),
     .copy_o(drain_copy), .take_o(drain_take), .beat_o(drain_beat), .last_o(drain_last),
@@ -130,19 +134,16 @@ module stage_i (
   // What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2 set, then
   // which.
   wire [10:0] marks = {drain_beat, take_set, drain_last, drain_take};
-
   wire [10:0] marks_to_groups_delayed;
-  edof_delay #(.WIDTH(11), .CYCLES(1)) marks_to_groups (
-    .clock_i(clock_i), .data_i(marks), .data_o(marks_to_groups_delayed)
-  );
+  edof_delay #(.WIDTH(11), .CYCLES((LANES + 31) / 32))
+    marks_to_groups (.clock_i(clock_i), .data_i(marks), .data_o(marks_to_groups_delayed));
 
   wire read_valid, results_push, base_push;
   wire [31:0] read_thresholds, read_previous, results_data, results_base;
   wire [1:0] results_done, nonzero, result_saturated, code_saturated, difference_saturated;
   results #(
-    .SET_ROWS(12'd8), .SHRINKS(1'b1), .PASSES_BASE(1'b0), .THRESHOLDS_DEPTH(16),
-    .INIT("stage0_thresholds.mem"), .CODE_FLAGS_CYCLES(3), .RESULT_TO_23_CYCLES(0), .BASE_TO_23_CYCLES(6),
-    .BASE_BITS(48'd0), .LAST_BEAT(7'd31), .BASE_RING_DEPTH(0)
+    .OUTPUTS(16), .HAS_BASE(0), .FEEDS_M(1), .SHRINKS(1'b1), .INIT("stage0_thresholds.mem"),
+    .BASE_BITS(48'd0), .INPUTS(64)
   ) results (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[4]), .take_i(marks_to_groups_delayed[0]),
     .beat_i(marks_to_groups_delayed[10:3]), .last_i(marks_to_groups_delayed[1]),
@@ -158,23 +159,20 @@ module stage_i (
 
   // Out.
   wire [33:0] finished_word = {results_data, results_done};
-
   wire [33:0] fifo_front_data;
   edof_fifo #(.WIDTH(34), .DEPTH(128)) fifo (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[5]), .push_i(results_push), .data_i(finished_word),
     .valid_o(out_valid_o), .ready_i(out_ready_i), .data_o(fifo_front_data)
   );
 
-  assign out_data_o = fifo_front_data[33:2];
-  assign out_last_o = fifo_front_data[0];
-  assign out_set_o = fifo_front_data[1];
+  assign out_data_o = fifo_front_data[33:2], out_last_o = fifo_front_data[0], out_set_o = fifo_front_data[1];
 
   // Bit 0 writes, bit 1 reads.
   wire [52:0] weights_word = {address_2_q, data_2_q, 2'd0};
-  wire [52:0] weights_marks = weights_2_q ? 53'd1 : (read_2_q ? 53'd2 : 53'd0);
+  wire [52:0] weights_marks = weights_2_q ? 53'd1 : {51'd0, read_2_q, 1'b0};
 
   wire base_fifo_front_valid_unused;
-  edof_fifo #(.WIDTH(32), .DEPTH(128)) base_fifo (
+  edof_fifo #(.WIDTH(32), .DEPTH(128 * FEEDS_M)) base_fifo (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[5]), .push_i(base_push), .data_i(results_base),
     .valid_o(base_fifo_front_valid_unused), .ready_i(out_valid_o && out_ready_i), .data_o(out_base_o)
   );
@@ -195,7 +193,7 @@ module stage_i (
 
   wire [31:0] check_crc;
   wire [7:0] frames;
-  frame_check_w32 #(.LAST_BEAT(28'd383)) check (
+  frame_check #(.LAST_BEAT(28'd383)) check (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[7]), .valid_i(out_valid_o && out_ready_i),
     .data_i(fifo_front_data[33:2]), .snapshot_i(snapshot_2_q), .crc_o(check_crc), .frames_o(frames)
   );
@@ -229,9 +227,8 @@ module stage_i (
   assign status_o = status_q;
   wire [52:0] weights_to_5_data = weights_word | weights_marks;
 
-  edof_delay #(.WIDTH(53), .CYCLES(3)) weights_to_5 (
-    .clock_i(clock_i), .data_i(weights_to_5_data), .data_o(weights_to_5_delayed)
-  );
+  edof_delay #(.WIDTH(53), .CYCLES(3))
+    weights_to_5 (.clock_i(clock_i), .data_i(weights_to_5_data), .data_o(weights_to_5_delayed));
 
   always @(posedge clock_i) begin
     // The host. A weight that both ports read, or a row that is read back, takes the place of a step, four
@@ -253,7 +250,6 @@ module stage_i (
     if (status_address_i[5:2] == ID) status_q <= read_word;
   end
 
-  // Not every bit of these is read.
-  wire unused = ^{reset_parts_delayed, previous_2_q};
+  wire unused = ^{reset_parts_delayed, previous_2_q}; // Not every bit is read.
 endmodule
 `default_nettype wire

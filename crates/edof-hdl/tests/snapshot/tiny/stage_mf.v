@@ -1,49 +1,31 @@
 // One stage of the calculator, I, M or F: vectors in, vectors out, two elements a beat; docs/calculator.md has
 // its cycles. Values are multiplied as they come out of the store; sums are copied, drained, rounded, shrunk
 // and sent on.
-//
-// No output follows an input within the cycle.
 // From crates/edof-hdl/src/blocks/stage.rs (Stage).
 `default_nettype none
 module stage_mf #(
   parameter [3:0] ID = 4'd1,
+  parameter WINDOW_PIXELS = 0, // Pixels of the linear path (F).
+  parameter LANES = 8,         // Outputs that are computed at a time.
+  parameter OUTPUTS = 16,
+  parameter FEEDS_M = 1,       // 1 where the next stage is an M, so that base words are sent.
   parameter BOTH_PORTS = 1'b0,
-  parameter HAS_LINEAR = 1'b0,  // A linear path: windows come in, too (F).
-  parameter BANKS = 2,
-  parameter MACC_DEPTH = 64,
   parameter ROWS = 1,
   parameter MACC_INIT = "stage1_bank",
-  parameter BASE_FIFO_DEPTH = 128,
   parameter TWO_ROWS = 1'b0,
   parameter ALIGNS = 1'b0,
-  parameter [5:0] LAST_WINDOW = 6'd0,
-  parameter [6:0] MAX_WINDOWS = 7'd0,
-  parameter RING_DEPTH = 0,
-  parameter [7:0] LINEAR_BEFORE_LAST = 8'd0,
-  parameter [11:0] PASS_ROWS = 12'd16,
-  parameter [11:0] SEQUENCER_SET_ROWS = 12'd32,
-  parameter [5:0] LAST_PASS = 6'd1,
-  parameter [7:0] BEFORE_LAST_TAKE = 8'd3,
-  parameter [7:0] RELEASE_AT = 8'd3,
-  parameter [7:0] DRAIN_LAST_BEAT = 8'd7,
-  parameter [7:0] NEEDED_CREDITS = 8'd4,
-  parameter [11:0] RESULTS_SET_ROWS = 12'd8,
-  parameter SHRINKS = 1'b1,     // Codes are sent (I, M), not results (F).
-  parameter PASSES_BASE = 1'b1, // Base words for the next stage are those that came in.
-  parameter THRESHOLDS_DEPTH = 16,
+  parameter WINDOWS = 0,       // Windows that are kept.
+  parameter HAS_BASE = 1,      // 1 where a base is added (M).
+  parameter SHRINKS = 1'b1,    // Codes are sent (I, M), not results (F).
   parameter RESULTS_INIT = "stage1_thresholds.mem",
-  parameter CODE_FLAGS_CYCLES = 3,
-  parameter RESULT_TO_23_CYCLES = 0,
   parameter [47:0] BASE_BITS = 48'hffffffffffff,
-  parameter BASE_RING_DEPTH = 1024,
   parameter REGISTERS_INIT = "stage1_shifts.mem",
-  parameter [27:0] CHECK_LAST_BEAT = 28'd383
+  parameter [27:0] LAST_BEAT = 28'd383
 ) (
   input wire clock_i,                // Clock.
   // Forgets every vector and what was written to registers; held for 48 cycles or more, and two more pass until
   // something can be taken.
   input wire reset_i,
-
   input wire flush_i,                // Drops every vector and nothing else; held for as long as `reset`.
   input wire valid_i,                // The input beat is valid.
   output wire ready_o,               // The block accepts a valid input in this cycle.
@@ -70,9 +52,13 @@ module stage_mf #(
   output wire [31:0] status_o
 );
 
+  localparam INPUTS = 16;
+  localparam PARTS = 1;                      // Parts of a vector that are read in step (I).
+  localparam SETS = 2;                       // Sets of weights.
   localparam [3:0] WHOLE_CHAIN = 4'd15;
   localparam [11:0] READ_REGISTER = 12'd3;
   localparam [31:0] SKIP_BIT = 32'd1;
+  localparam HAS_LINEAR = WINDOW_PIXELS > 0; // A linear path: windows come in, too (F).
 
   wire [31:0] ring_read_pixels;
   wire valid_a, valid_b, sequencer_first, linear, sequencer_odd, sequencer_set, finished, release_, drain_copy;
@@ -89,16 +75,12 @@ module stage_mf #(
 
   // Each part has a register for its reset.
   wire [7:0] resets = (reset_i || flush_i) ? 8'hff : 8'd0;
-
   wire [7:0] reset_parts_delayed;
-  edof_delay #(.WIDTH(8), .CYCLES(1)) reset_parts (
-    .clock_i(clock_i), .data_i(resets), .data_o(reset_parts_delayed)
-  );
-
+  edof_delay #(.WIDTH(8), .CYCLES(1))
+    reset_parts (.clock_i(clock_i), .data_i(resets), .data_o(reset_parts_delayed));
   wire reset_registers_delayed;
-  edof_delay #(.WIDTH(1), .CYCLES(1)) reset_registers (
-    .clock_i(clock_i), .data_i(reset_i), .data_o(reset_registers_delayed)
-  );
+  edof_delay #(.WIDTH(1), .CYCLES(1))
+    reset_registers (.clock_i(clock_i), .data_i(reset_i), .data_o(reset_registers_delayed));
 
   wire pairs_arrived;
   wire [11:0] pairs_descriptor;
@@ -123,7 +105,7 @@ module stage_mf #(
   );
 
   wire ring_ready;
-  window_ring #(.LAST_WINDOW(LAST_WINDOW), .MAX_WINDOWS(MAX_WINDOWS), .DEPTH(RING_DEPTH)) ring (
+  window_ring #(.WINDOW_PIXELS(WINDOW_PIXELS), .WINDOWS(WINDOWS)) ring (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[1]), .valid_i(window_valid_i), .ready_o(ring_ready),
     .pixels_i(window_data_i), .last_i(window_last_i), .read_pair_i(sequencer_read_pixels),
     .read_pixels_o(ring_read_pixels), .finished_i(finished)
@@ -138,8 +120,8 @@ module stage_mf #(
 
   wire pass_issued;
   sequencer #(
-    .TWO_ROWS(TWO_ROWS), .HAS_LINEAR(HAS_LINEAR), .LINEAR_BEFORE_LAST(LINEAR_BEFORE_LAST), .CODES(12'd16),
-    .PASS_ROWS(PASS_ROWS), .SET_ROWS(SEQUENCER_SET_ROWS), .LAST_PASS(LAST_PASS)
+    .INPUTS(16), .PAIRS(1), .PARTS(1), .ROWS(ROWS), .WINDOW_PIXELS(WINDOW_PIXELS), .LANES(LANES),
+    .OUTPUTS(OUTPUTS)
   ) sequencer (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[2]), .arrived_i(pairs_arrived),
     .descriptor_i(pairs_descriptor), .release_i(release_), .steal_next_i(sequencer_steal_next),
@@ -152,7 +134,8 @@ module stage_mf #(
   wire [47:0] sum_even, sum_odd;
   wire [63:0] read_data;
   edof_macc_array #(
-    .BANKS(BANKS), .DEPTH(MACC_DEPTH), .ROWS(ROWS), .DENSE(0), .SUM(48), .INIT(MACC_INIT)
+    .BANKS(LANES / 4), .DEPTH(SETS * (OUTPUTS / LANES) * (INPUTS / PARTS + WINDOW_PIXELS)), .ROWS(ROWS),
+    .DENSE(0), .SUM(48), .INIT(MACC_INIT)
   ) macc (
     .clock_i(clock_i), .first_i(step_first), .address_a_i(pair_operands_address_a),
     .address_b_i(pair_operands_address_b), .value_a_i(pair_operands_value_a),
@@ -166,10 +149,7 @@ module stage_mf #(
 
   wire [7:0] drain_beat;
   wire drain_last, take_set;
-  drain #(
-    .BEFORE_LAST_TAKE(BEFORE_LAST_TAKE), .RELEASE_AT(RELEASE_AT), .LAST_BEAT(DRAIN_LAST_BEAT),
-    .NEEDED_CREDITS(NEEDED_CREDITS)
-  ) drain (
+  drain #(.LANES(LANES), .OUTPUTS(OUTPUTS)) drain (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[3]), .pass_issued_i(pass_issued),
     .set_i(sequencer_set), .credit_return_i(out_valid_o && out_ready_i), .release_o(release_),
     .copy_o(drain_copy), .take_o(drain_take), .beat_o(drain_beat), .last_o(drain_last),
@@ -179,20 +159,16 @@ module stage_mf #(
   // What belongs to two sums waits while these pass the groups of banks: bit 0 taken, 1 last, 2 set, then
   // which.
   wire [10:0] marks = {drain_beat, take_set, drain_last, drain_take};
-
   wire [10:0] marks_to_groups_delayed;
-  edof_delay #(.WIDTH(11), .CYCLES(1)) marks_to_groups (
-    .clock_i(clock_i), .data_i(marks), .data_o(marks_to_groups_delayed)
-  );
+  edof_delay #(.WIDTH(11), .CYCLES((LANES + 31) / 32))
+    marks_to_groups (.clock_i(clock_i), .data_i(marks), .data_o(marks_to_groups_delayed));
 
   wire read_valid, results_push, base_push;
   wire [31:0] read_thresholds, read_previous, results_data, results_base;
   wire [1:0] results_done, nonzero, result_saturated, code_saturated, difference_saturated;
   results #(
-    .SET_ROWS(RESULTS_SET_ROWS), .SHRINKS(SHRINKS), .PASSES_BASE(PASSES_BASE),
-    .THRESHOLDS_DEPTH(THRESHOLDS_DEPTH), .INIT(RESULTS_INIT), .CODE_FLAGS_CYCLES(CODE_FLAGS_CYCLES),
-    .RESULT_TO_23_CYCLES(RESULT_TO_23_CYCLES), .BASE_TO_23_CYCLES(0), .BASE_BITS(BASE_BITS),
-    .LAST_BEAT(7'd7), .BASE_RING_DEPTH(BASE_RING_DEPTH)
+    .OUTPUTS(OUTPUTS), .HAS_BASE(HAS_BASE), .FEEDS_M(FEEDS_M), .SHRINKS(SHRINKS), .INIT(RESULTS_INIT),
+    .BASE_BITS(BASE_BITS), .INPUTS(16)
   ) results (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[4]), .take_i(marks_to_groups_delayed[0]),
     .beat_i(marks_to_groups_delayed[10:3]), .last_i(marks_to_groups_delayed[1]),
@@ -208,23 +184,20 @@ module stage_mf #(
 
   // Out.
   wire [33:0] finished_word = {results_data, results_done};
-
   wire [33:0] fifo_front_data;
   edof_fifo #(.WIDTH(34), .DEPTH(128)) fifo (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[5]), .push_i(results_push), .data_i(finished_word),
     .valid_o(out_valid_o), .ready_i(out_ready_i), .data_o(fifo_front_data)
   );
 
-  assign out_data_o = fifo_front_data[33:2];
-  assign out_last_o = fifo_front_data[0];
-  assign out_set_o = fifo_front_data[1];
+  assign out_data_o = fifo_front_data[33:2], out_last_o = fifo_front_data[0], out_set_o = fifo_front_data[1];
 
   // Bit 0 writes, bit 1 reads.
   wire [52:0] weights_word = {address_2_q, data_2_q, 2'd0};
-  wire [52:0] weights_marks = weights_2_q ? 53'd1 : (read_2_q ? 53'd2 : 53'd0);
+  wire [52:0] weights_marks = weights_2_q ? 53'd1 : {51'd0, read_2_q, 1'b0};
 
   wire base_fifo_front_valid_unused;
-  edof_fifo #(.WIDTH(32), .DEPTH(BASE_FIFO_DEPTH)) base_fifo (
+  edof_fifo #(.WIDTH(32), .DEPTH(128 * FEEDS_M)) base_fifo (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[5]), .push_i(base_push), .data_i(results_base),
     .valid_o(base_fifo_front_valid_unused), .ready_i(out_valid_o && out_ready_i), .data_o(out_base_o)
   );
@@ -244,7 +217,7 @@ module stage_mf #(
 
   wire [31:0] check_crc;
   wire [7:0] frames;
-  frame_check_w32 #(.LAST_BEAT(CHECK_LAST_BEAT)) check (
+  frame_check #(.LAST_BEAT(LAST_BEAT)) check (
     .clock_i(clock_i), .reset_i(reset_parts_delayed[7]), .valid_i(out_valid_o && out_ready_i),
     .data_i(fifo_front_data[33:2]), .snapshot_i(snapshot_2_q), .crc_o(check_crc), .frames_o(frames)
   );
@@ -278,9 +251,8 @@ module stage_mf #(
   assign status_o = status_q;
   wire [52:0] weights_to_5_data = weights_word | weights_marks;
 
-  edof_delay #(.WIDTH(53), .CYCLES(3)) weights_to_5 (
-    .clock_i(clock_i), .data_i(weights_to_5_data), .data_o(weights_to_5_delayed)
-  );
+  edof_delay #(.WIDTH(53), .CYCLES(3))
+    weights_to_5 (.clock_i(clock_i), .data_i(weights_to_5_data), .data_o(weights_to_5_delayed));
 
   always @(posedge clock_i) begin
     // The host. A weight that both ports read, or a row that is read back, takes the place of a step, four
@@ -302,7 +274,6 @@ module stage_mf #(
     if (status_address_i[5:2] == ID) status_q <= read_word;
   end
 
-  // Not every bit of these is read.
-  wire unused = ^previous_2_q;
+  wire unused = ^previous_2_q; // Not every bit is read.
 endmodule
 `default_nettype wire

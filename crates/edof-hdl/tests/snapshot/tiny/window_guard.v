@@ -11,7 +11,6 @@
 module window_guard (
   input wire clock_i,             // Clock.
   input wire reset_i,             // Waits for a window's first beat.
-
   input wire reset_counters_i,    // Counters back to zero.
   input wire valid_i,             // The input beat is valid.
   output wire ready_o,            // The block accepts a valid input in this cycle.
@@ -42,14 +41,12 @@ module window_guard (
   assign out_valid_o = is_available;
   assign out_data_o = fill_q ? 32'd0 : data_i;
   assign out_set_o = fill_q ? set_q : set_i;
-  assign out_last_o = at_end_q;
-  assign fault_o = fault_q;
+  assign out_last_o = at_end_q, fault_o = fault_q;
 
   counter count_short (
     .clock_i(clock_i), .reset_i(reset_counters_i), .enable_i(short_q), .events_i(2'd1),
     .snapshot_i(snapshot_i), .count_o(too_short_o)
   );
-
   counter count_long (
     .clock_i(clock_i), .reset_i(reset_counters_i), .enable_i(long_q), .events_i(2'd1),
     .snapshot_i(snapshot_i), .count_o(too_long_o)

@@ -1,18 +1,14 @@
 // Windows that wait for F's linear path: a ring of whole windows in block RAM, each from a power of two of rows
 // on. Ready while there is room for one more. Two pixels are read two cycles after read_pair, from the oldest
 // window.
-//
-// No output follows an input within the cycle.
 // From crates/edof-hdl/src/blocks/window_ring.rs (WindowRing).
 `default_nettype none
 module window_ring #(
-  parameter [5:0] LAST_WINDOW = 6'd0,
-  parameter [6:0] MAX_WINDOWS = 7'd0,
-  parameter DEPTH = 0
+  parameter WINDOW_PIXELS = 0, // Pixels of a window.
+  parameter WINDOWS = 0        // Windows that are kept.
 ) (
   input wire clock_i,               // Clock.
   input wire reset_i,               // Empties the memory.
-
   input wire valid_i,               // The input beat is valid.
   output wire ready_o,              // The block accepts a valid input in this cycle.
   input wire [31:0] pixels_i,       // Two pixels of the beat, the left one low.
@@ -22,7 +18,10 @@ module window_ring #(
   input wire finished_i             // Frees the oldest window.
 );
 
-  localparam LARGE = 1'b0;
+  // Its pixels are more than those of a window of side 8: one of side 12 has 144, and takes four times as many
+  // rows.
+  localparam LARGE = WINDOW_PIXELS > 64;
+  localparam [31:0] LAST_WINDOW = WINDOWS > 0 ? WINDOWS - 1 : 0, MAX_WINDOWS = WINDOWS;
 
   reg write_q, last_q, ready_q;
   reg [31:0] pixels_q;
@@ -32,32 +31,27 @@ module window_ring #(
   assign ready_o = ready_q;
   wire accept = valid_i && ready_q;
   wire arrived = accept && last_i;
-
-  reg [6:0] held_next;
-  always @* begin
-    held_next = held_q;
-    if (arrived && !finished_i) held_next = held_q + 7'd1;
-    else if (finished_i && !arrived) held_next = held_q - 7'd1;
-  end
+  wire [6:0] held_next = (arrived && !finished_i) ? (held_q + 7'd1)
+      : ((finished_i && !arrived) ? (held_q - 7'd1) : held_q);
 
   reg [11:0] ram_read_address, ram_write_address;
   always @* begin
-    ram_write_address = ({6'd0, write_window_q} << 5) | {5'd0, write_beat_q};
-    ram_read_address = ({6'd0, oldest_q} << 5) | {5'd0, read_pair_i};
+    ram_write_address = {1'b0, write_window_q, 5'd0} | {5'd0, write_beat_q};
+    ram_read_address = {1'b0, oldest_q, 5'd0} | {5'd0, read_pair_i};
     if (LARGE) begin
       ram_write_address = ({6'd0, write_window_q} << 7) | {5'd0, write_beat_q};
       ram_read_address = ({6'd0, oldest_q} << 7) | {5'd0, read_pair_i};
     end
   end
 
-  edof_ram #(.WIDTH(32), .DEPTH(DEPTH), .BLOCK(2), .INIT("")) ram (
+  edof_ram #(.WIDTH(32), .DEPTH(WINDOWS * (LARGE ? 128 : 32)), .BLOCK(2), .INIT("")) ram (
     .clock_i(clock_i), .read_address_i(ram_read_address), .read_data_o(read_pixels_o),
     .write_enable_i(write_q), .write_address_i(ram_write_address), .write_data_i(pixels_q)
   );
 
   always @(posedge clock_i) begin
     held_q <= held_next;
-    ready_q <= held_next != MAX_WINDOWS;
+    ready_q <= held_next != MAX_WINDOWS[6:0];
     write_q <= accept;
     pixels_q <= pixels_i;
     last_q <= last_i;
@@ -65,10 +59,10 @@ module window_ring #(
       write_beat_q <= write_beat_q + 7'd1;
       if (last_q) begin
         write_beat_q <= 7'd0;
-        write_window_q <= (write_window_q + 6'd1) & LAST_WINDOW;
+        write_window_q <= (write_window_q + 6'd1) & LAST_WINDOW[5:0];
       end
     end
-    if (finished_i) oldest_q <= (oldest_q + 6'd1) & LAST_WINDOW;
+    if (finished_i) oldest_q <= (oldest_q + 6'd1) & LAST_WINDOW[5:0];
     if (reset_i) begin
       write_q <= 1'b0;
       write_beat_q <= 7'd0;
