@@ -48,6 +48,7 @@ fusesoc         scripts/test-fusesoc.sh
 parse           scripts/test-parse.sh
 route           scripts/test-route.sh
 ulx3s           scripts/test-ulx3s.sh
+first-light     tests circuits first_light::
 litex           scripts/test-litex.sh
 litex-target    scripts/test-litex-target.sh
 peers           scripts/test-peers.sh

@@ -58,6 +58,7 @@ fn goes_round(board: &mut Board<&mut FirstLight>, raw: &RawFrame, network: &Fixe
 }
 
 #[test]
+#[ignore = "minutes: scripts/soak.sh"]
 fn a_host_tries_every_part_loads_a_network_and_gets_golden_pictures_over_the_line() {
     let design = design();
     let [first, second] = [5, 6].map(|seed| moderate(&design, seed));
@@ -83,6 +84,7 @@ fn a_host_tries_every_part_loads_a_network_and_gets_golden_pictures_over_the_lin
 }
 
 #[test]
+#[ignore = "minutes: scripts/soak.sh"]
 fn a_memory_that_loses_a_word_is_found() {
     let design = design();
     let network = moderate(&design, 5);
