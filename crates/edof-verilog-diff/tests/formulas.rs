@@ -192,10 +192,7 @@ fn a_parameter_of_a_leaf_follows_from_a_constant_and_another_value_is_rejected()
     assert!(text.contains(" CODES = 24") && text.contains(".DEPTH(2 * CODES)"), "{text}");
     let error = holder(24, 47).unwrap_err();
     assert!(matches!(error.fault, Fault::Formula { value: 48, .. }), "{error}");
-    assert!(
-        error.to_string().contains("the parameter DEPTH of the leaf is 47, and `2 * codes` is 48"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("the leaf has DEPTH(47), and `2 * codes` is 48"), "{error}");
 }
 
 /// Two constants of eight bits that the kernel reads, and a memory of as many words as their product.

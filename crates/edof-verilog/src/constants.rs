@@ -22,9 +22,8 @@ impl Writer<'_> {
         for (parameter, value) in written.instance.parameters.iter_mut().zip(&written.values) {
             let Some(formula) = self.description.formula(field, &parameter.name).cloned() else { continue };
             if formula.value.to_string() != value.text {
-                let (parameter, found) = (parameter.name.clone(), value.text.clone());
-                let fault =
-                    Fault::Formula { parameter, found, formula: formula.plain(), value: formula.value };
+                let found = format!("{}({})", parameter.name, value.text);
+                let fault = Fault::Formula { found, formula: formula.plain(), value: formula.value };
                 return Err(EmitError::block(&part.path, fault));
             }
             parameter.formula = Some(self.formula(&formula)?);
@@ -99,7 +98,7 @@ impl Writer<'_> {
             let is_read = id.is_some_and(|id| self.printer.constants.contains_key(&id));
             is_read && self.description.formula(key, "").is_none()
         };
-        formula.names.len() > 1 && !has_number && formula.names.iter().all(|key| is_narrow(&key))
+        formula.names.len() > 1 && !has_number && formula.names.iter().all(is_narrow)
     }
 
     /// Declarations of states, those of an enum on one line.

@@ -38,8 +38,8 @@ pub enum Fault {
     #[error("the leaf `{leaf}` {what}")]
     LeafMisfit { leaf: String, what: String },
     /// A leaf's parameter that does not have the value of its formula.
-    #[error("the parameter {parameter} of the leaf is {found}, and `{formula}` is {value}")]
-    Formula { parameter: String, found: String, formula: String, value: u64 },
+    #[error("the leaf has {found}, and `{formula}` is {value}")]
+    Formula { found: String, formula: String, value: u64 },
     /// A formula without a whole number, which Verilog computes in too few bits.
     #[error(
         "`{0}` is computed in as many bits as its constants have; a number or a constant that no kernel reads makes it whole"

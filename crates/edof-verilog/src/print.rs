@@ -128,26 +128,7 @@ impl<'a> Printer<'a> {
             }
             Node::Literal(value) => Text::atom(literal(ty, *value, self.number), ty.signed),
             Node::State(state) => Text::atom(self.state(state), false),
-            Node::Not(x) => {
-                // The value has one bit, so that nothing depends on the width around it.
-                if let (1, Node::Not(twice)) = (ty.bits, &x.node)
-                    && twice.ty == ty
-                {
-                    return self.print(twice);
-                }
-                if let Node::Reduce("|", number) = &x.node
-                    && number.ty.bits > 1
-                {
-                    let zero = Expression::literal(number.ty, 0);
-                    return self
-                        .print(&Expression::new(ty, Node::Compare("==", number.clone(), Box::new(zero))));
-                }
-                let x = self.print(x);
-                let signed = x.signed && ty.bits > 1;
-                let form = if x.form == Form::Atom { Form::Not } else { Form::Operation };
-                let text = format!("{}{}", if ty.bits == 1 { "!" } else { "~" }, x.unary_operand());
-                Text { text, form, signed }
-            }
+            Node::Not(x) => self.not(ty, x),
             Node::Negate(x) => {
                 let x = self.print(x);
                 let signed = x.signed;
@@ -202,6 +183,27 @@ impl<'a> Printer<'a> {
             }
             Node::Replace(x, at, bit) => self.replace(x, at, bit),
         }
+    }
+
+    /// Every bit turned round; of a bit, the opposite.
+    fn not(&mut self, ty: Type, x: &Expression) -> Text {
+        // The value has one bit, so that nothing depends on the width around it.
+        if let (1, Node::Not(twice)) = (ty.bits, &x.node)
+            && twice.ty == ty
+        {
+            return self.print(twice);
+        }
+        if let Node::Reduce("|", number) = &x.node
+            && number.ty.bits > 1
+        {
+            let zero = Expression::literal(number.ty, 0);
+            return self.print(&Expression::new(ty, Node::Compare("==", number.clone(), Box::new(zero))));
+        }
+        let x = self.print(x);
+        let signed = x.signed && ty.bits > 1;
+        let form = if x.form == Form::Atom { Form::Not } else { Form::Operation };
+        let text = format!("{}{}", if ty.bits == 1 { "!" } else { "~" }, x.unary_operand());
+        Text { text, form, signed }
     }
 
     fn signal(&mut self, id: SignalId) -> Text {
