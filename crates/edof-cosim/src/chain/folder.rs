@@ -31,12 +31,12 @@ pub fn with_verilog_of(project: Project, folder: &Path) -> Result<Project, Error
         return Err(Error::Port(format!("{}: has no port {}", path.display(), port.name)));
     }
     verilog.reverse();
-    // A changed file's lines are not those that the map knows.
+    // The map knows the places of a file that has as many lines: a value may differ, as that of a parameter which only a whole board needs.
     let is_kept = |name: &String| {
-        let text = |files: &[(String, String)]| {
-            files.iter().find(|(file, _)| file == name).map(|(_, text)| text.clone())
+        let lines = |files: &[(String, String)]| {
+            files.iter().find(|(file, _)| file == name).map(|(_, text)| text.lines().count())
         };
-        text(&verilog) == text(&project.verilog)
+        lines(&verilog) == lines(&project.verilog)
     };
     let sources = project.sources.iter().filter(|(name, _)| is_kept(name));
     let sources = sources.map(|(name, map)| (name.clone(), map.clone())).collect();
