@@ -147,9 +147,9 @@ fn who_is_no_board_is_distinguished_from_silence() {
     assert!(error.starts_with("/dev/parrot: reads 0x00000007 as id"), "{error}");
     let error = said(&[map::ID, 0x0003_0000, 0, 0, 0]).to_string();
     assert!(error.contains("version 3.0"), "{error}");
-    // The map before a raw frame could be written.
-    let error = said(&[map::ID, 0x0002_0003, 0, 0, 0]).to_string();
-    assert!(error.contains("has version 2.3") && error.contains("expected 2.4 or a later 2.x"), "{error}");
+    // The map before raw frames in grey.
+    let error = said(&[map::ID, 0x0002_0004, 0, 0, 0]).to_string();
+    assert!(error.contains("has version 2.4") && error.contains("expected 2.5 or a later 2.x"), "{error}");
 }
 
 #[test]
