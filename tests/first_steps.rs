@@ -218,7 +218,11 @@ fn a_design_for_another_board_is_estimated_and_what_the_board_lacks_is_named() {
             "--size 640x480: must be at most 10240 pixels, which a buffer holds",
         ),
         (format!("generate {network} --out out --shell litex"), "board ulx3s has no shell 'litex'"),
-        ("board sim --design open.json".to_owned(), "board ulx3s has no video input"),
+        ("board sim --design open.json".to_owned(), "board ulx3s has no video input; add --rtl"),
+        (
+            "board sim --rtl --design open.json --picture p.png".to_owned(),
+            "--picture: board ulx3s has no video",
+        ),
         (
             "explore --design open.json --weights random.fixed.safetensors --device xc7k325t".to_owned(),
             "--device xc7k325t: design open is for board ulx3s, which has an lfe5u-85f",

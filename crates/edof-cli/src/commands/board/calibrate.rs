@@ -8,7 +8,7 @@ use crate::interrupt;
 use crate::ui::Ui;
 use edof::job::GreyFile;
 use edof_core::ColourFrame;
-use edof_golden::video::greys::chart;
+use edof_golden::video::greys::{SIDE, chart};
 use edof_io::photo;
 use ndarray::Axis;
 use serde_json::json;
@@ -65,6 +65,11 @@ impl Args {
 pub fn run(args: &super::Args, calibrate: &Args, ui: &Ui) -> Result<(), Error> {
     match &calibrate.what {
         What::Picture { out, size: (width, height) } => {
+            if *width.min(height) < SIDE {
+                return Err(Error::message(format!(
+                    "--size {width}x{height}: must be at least {SIDE}x{SIDE}, so that the picture has every grey"
+                )));
+            }
             let grey = chart(*height, *width).mapv(|grey| f32::from(grey) / 255.0);
             let planes = ndarray::stack![Axis(0), grey, grey, grey];
             photo::save(out, &ColourFrame { planes }, 8)?;

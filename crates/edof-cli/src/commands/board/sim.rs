@@ -15,6 +15,7 @@ use edof_core::RawFrame;
 use edof_cosim::system::{FirstLight, Speed, VerilogBoard};
 use edof_cosim::verilator::Options;
 use edof_device::Design;
+use edof_device::board::Board;
 use edof_device::design::FrameSize;
 use edof_device::video::VideoTiming;
 use edof_golden::{Display, Picture};
@@ -75,6 +76,22 @@ impl Args {
 }
 
 impl Args {
+    /// Rejects what only a board with video has.
+    fn check_video(&self, board: &Board) -> Result<(), Error> {
+        let given = [("--frame", self.frame.is_some()), ("--picture", self.picture.is_some())];
+        let name = board.name;
+        match given.into_iter().find(|(_, is_given)| *is_given) {
+            _ if board.video_in.is_some() => Ok(()),
+            _ if !self.rtl => Err(Error::message(format!(
+                "board {name} has no video input; add --rtl, which simulates its circuit"
+            ))),
+            Some((option, _)) => Err(Error::message(format!(
+                "{option}: board {name} has no video; leave {option} out, and use 'edof board picture put' and 'get'"
+            ))),
+            None => Ok(()),
+        }
+    }
+
     /// Returns the link, unless one of that name leads nowhere: an earlier run left it behind, and it is replaced, not followed.
     fn new_link(&self) -> Option<&Path> {
         self.link.as_deref().filter(|link| link.exists() || !link.is_symlink())
@@ -92,6 +109,7 @@ pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
     let given = args.design.as_deref().unwrap_or("tiny");
     let design = sized(designs::load(given)?, sim.size)?;
     design.clocks().map_err(|e| said::of_file(given, e))?;
+    sim.check_video(design.board)?;
     let network = network(&design, given, sim.weights.as_deref())?;
     let (raw, display) = (frame(&design, sim)?, Display::of_network(&network));
     let raw = raw.encoded(network.origin.values).into_owned();

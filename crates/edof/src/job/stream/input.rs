@@ -100,9 +100,9 @@ impl Words {
             for (pair, [left, right]) in line.as_chunks_mut().0.iter_mut().enumerate() {
                 let words = even.get(usize::from(*left)).zip(odd.get(usize::from(*right)));
                 let Some((a, b)) = words else {
-                    let column = 2 * pair + usize::from(usize::from(*left) < even.len());
-                    let value = (*left).max(*right);
-                    let depth = self.layout.depth();
+                    let (side, value) =
+                        if usize::from(*left) < even.len() { (1, *right) } else { (0, *left) };
+                    let (column, depth) = (2 * pair + side, self.layout.depth());
                     return Err(StreamError::Value { number, row, column, value, depth });
                 };
                 (*left, *right) = (*a, *b);
