@@ -5,7 +5,7 @@ use quote::quote;
 use syn::parse::{Parse, ParseStream};
 use syn::{BinOp, Block, Expr, ExprLit, Field, Ident, Lit, LitInt, Stmt, Token};
 
-/// What a field's `#[is(…)]` says.
+/// The formula of a field's `#[is(…)]`.
 pub struct Formula {
     /// The leaf's parameter; none where the field is a constant.
     pub parameter: Option<Ident>,

@@ -84,7 +84,7 @@ pub fn divide(x: u64, y: u64) -> u64 {
     checked(x.checked_div(y))
 }
 
-/// What a division leaves.
+/// The remainder of a division.
 #[must_use]
 pub fn remainder(x: u64, y: u64) -> u64 {
     checked(x.checked_rem(y))

@@ -11,7 +11,7 @@ use crate::chip_models::hdmi::{Avi, Coding, Link, Pixel};
 pub struct Scaling {
     /// Out of in, both from 0 to 1.
     pub gain: f64,
-    /// Of black.
+    /// Code of black.
     pub offset: f64,
     /// Fractions are cut off; else rounded.
     pub cuts: bool,
@@ -39,7 +39,7 @@ impl Scaling {
 /// A card that sends greys.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GraphicsCard {
-    /// What is done to the codes, one after the other: by a player, by the card.
+    /// Changes of the codes, one after the other: by a player, by the card.
     pub scalings: &'static [Scaling],
     /// RGB, or luma with chroma 128 for each pixel.
     pub coding: Coding,

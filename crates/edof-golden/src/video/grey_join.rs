@@ -3,7 +3,7 @@
 use super::grey::MARKS;
 use super::video_in::Beat;
 
-/// What is sent of a raw frame.
+/// The part of a raw frame that is sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Sends {
     /// Nothing: what comes belongs to no frame.
@@ -48,7 +48,7 @@ impl GreyJoin {
         }
     }
 
-    /// What stands on the output while `source` stands on the input.
+    /// Returns the beat on the output while `source` stands on the input.
     #[must_use]
     pub fn beat(&self, source: Option<Beat>) -> Option<Beat> {
         if self.is_grey { self.stands } else { source.filter(|beat| self.has_begun || beat.first) }

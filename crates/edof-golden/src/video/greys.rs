@@ -41,7 +41,7 @@ pub enum GreyError {
     Missing { found: usize, first: usize, min: u8, max: u8, wrong: usize },
 }
 
-/// What luma each grey becomes on its way.
+/// The luma code that each grey becomes on its way.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Path(Vec<u8>);
 

@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 /// Photographs are decoded to light.
 const TONE: Tone = Tone::Srgb;
 
-/// What is compared.
+/// The lenses, lights and settings that are compared.
 pub struct Plan {
     /// Networks behind their lenses.
     pub peers: Vec<Peer>,
@@ -65,7 +65,7 @@ pub struct Row {
     pub proof: Proof,
 }
 
-/// What a page calls a row.
+/// The place of a row on a page.
 pub type Subject = (String, bool, u64, Ordered, Ordered, String);
 
 impl Line for Row {

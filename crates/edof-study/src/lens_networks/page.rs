@@ -23,7 +23,7 @@ const WORTH_DB: f64 = 0.5;
 /// Colours of lenses in plots.
 const COLOURS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 
-/// What a lens reaches in one light, in dB: the mean over seeds.
+/// Levels of a lens in one light, in dB: means over seeds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Lens {
     /// Name of the camera.
@@ -86,7 +86,7 @@ impl Part {
 }
 
 impl Lens {
-    /// Of rows of one lens and light; none of none.
+    /// Takes the rows of one lens and light; none of no rows.
     fn of(rows: &[&Row]) -> Option<Self> {
         let Row { lens, clear, stops, known, electrons, .. } = rows.first()?;
         let psis: BTreeSet<Ordered> = rows.iter().map(|row| Ordered(row.psi)).collect();
@@ -132,7 +132,7 @@ pub struct LensNetworks {
     pub lenses: Vec<Lens>,
     /// How many photographs.
     pub photographs: usize,
-    /// What the page states about the choice of the photographs.
+    /// The page's statement about the choice of the photographs.
     #[serde(skip)]
     choices: String,
 }
@@ -251,7 +251,7 @@ impl LensNetworks {
         if self.knows_depth() { self.verdicts_of_depth() } else { self.verdicts_of_masks() }
     }
 
-    /// What the depth is worth to each lens, and whether that is enough.
+    /// States the worth of the depth to each lens, and whether that is enough.
     fn verdicts_of_depth(&self) -> Vec<String> {
         let gains = self.lenses.iter().filter(|lens| lens.known).flat_map(|known| {
             let blind = self.find(&known.lens, false, known.electrons);

@@ -59,7 +59,7 @@ pub struct StreamJob {
     pub matrix: Option<ColourMatrix>,
     /// Transfer curve of the pictures.
     pub curve: Curve,
-    /// What pictures become.
+    /// Format of the pictures.
     pub format: VideoFormat,
     /// Whether frames that come too fast are left out; otherwise they wait.
     pub is_live: bool,
@@ -121,7 +121,7 @@ pub enum StreamError {
 /// How a stream ended.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Streamed {
-    /// What it did.
+    /// Frames, rate and latency of the whole stream.
     pub pace: Pace,
     /// Whether the reader of the pictures went away.
     pub is_closed: bool,
@@ -143,7 +143,7 @@ struct Made {
     at: Instant,
 }
 
-/// What all threads share.
+/// Queues, counts and the first failure: shared by all threads.
 struct Shared {
     arrived: Queue<Arrived>,
     /// Memory of frames that were computed.

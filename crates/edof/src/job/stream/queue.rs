@@ -16,7 +16,7 @@ struct State<T> {
     is_closed: bool,
 }
 
-/// What a look at a queue finds.
+/// The result of a look at a queue.
 pub(super) enum Popped<T> {
     /// The oldest item.
     Item(T),

@@ -1,4 +1,4 @@
-//! What a stream did in each second, and in all.
+//! Rates and latencies of a stream, in each second and in all.
 
 use serde::Serialize;
 use std::time::{Duration, Instant};
