@@ -101,7 +101,7 @@ ignored() {
     for word in "${words[@]:1}"; do
         grep -q "$word.*: test$" <<<"$list" || { echo "no ignored test is called $word"; return 1; }
     done
-    "$@" --ignored --test-threads 2
+    "$@" --ignored --nocapture --test-threads 2
 }
 
 # Every ignored test that no row names, but for those that other scripts or tests run.

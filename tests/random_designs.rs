@@ -160,8 +160,11 @@ fn works(place: &Place, steps: &Steps) {
     let multipliers = |stage: &Value| stage["lanes"].as_u64().unwrap() * stage["rows"].as_u64().unwrap();
     let is_large = design["stages"].as_array().unwrap().iter().map(multipliers).sum::<u64>() > LARGE;
     let is_long = steps.core && cycles_of_a_frame(&folder) > LONG;
-    let simulator = if is_large || is_long { "SIM=verilator" } else { "SIM=icarus" };
-    succeeds(&folder, "make", &[if steps.core { "sim" } else { "bench" }, simulator]);
+    let simulator = |verilator| if verilator { "SIM=verilator" } else { "SIM=icarus" };
+    succeeds(&folder, "make", &["bench", simulator(is_large)]);
+    if steps.core {
+        succeeds(&folder, "make", &["core_bench", simulator(is_large || is_long)]);
+    }
     if steps.cosim {
         place.edof("cosim --design new.json --weights net.fixed.safetensors --random 8 --stalls 0.2").done();
     }
@@ -265,7 +268,7 @@ fn fifty(seed: u64) {
     random_designs(seed, 50, true, |_| Steps {
         core: true,
         cosim: true,
-        circuit: 3000,
+        circuit: 700,
         newest_yosys: newest_yosys(),
     });
 }
