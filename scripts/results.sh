@@ -25,7 +25,7 @@
 #   joint         docs/results/joint.md: lenses searched together with a network, and short trainings for each  (25 minutes)
 #   one-noise     docs/results/one-noise.*: networks for one noise alone, of the default's form and of one with twice its cost  (25 minutes)
 #   bound         docs/results/bound.md, docs/figures/bound: what no lens passes, and how near lenses come  (1 minute)
-#   figures       docs/figures: the paper's figure 1, the demo's overview               (2 minutes)
+#   figures       docs/figures: the paper's figure 1, pictures of the demo               (2 minutes)
 # Full rows are files of JSON lines in out/rows: a page states the SHA-256 of its file, and docs/results keeps a compact table (scripts/table.py).
 # A release carries out/rows. From a clean tree: every page states its revision. A run that was stopped goes on: rows and pages of this revision stay, those of another
 # one are made anew (git has the old ones). A test says which pages are of weights that no longer ship. Reports are in out/. Photographs: $EDOF_KODAK, else ../shared/data/kodak; $EDOF_MORE, else
@@ -123,9 +123,8 @@ photographs_of() {
     local page=docs/results/kodak-$1.md
     "$edof" study kodak --tone "$1" --nets "${nets[$1]}" --psi 0,2,4,6,8 --stride 8 $(rows "kodak-$1") $(pages "kodak-$1")
     table "kodak-$1"
-    quote README.md "$page"
     quote docs/results.md "$page"
-    [ "$1" = srgb ] || { quote_verdict README.md kodak-linear; quote_verdict docs/results.md kodak-linear; }
+    if [ "$1" = srgb ]; then quote README.md "$page"; else quote_verdict docs/results.md kodak-linear; fi
 }
 
 # Photographs that no class of noise was trained on: unseen PAGE NAME,NAME...
@@ -134,7 +133,6 @@ unseen() {
     "$edof" study kodak --images "$more" --photos "${2//more/}" --tone linear --nets "$classes" --psi 0,2,4,6,8 \
         --stride 8 $(rows "$1") $(pages "$1")
     table "$1"
-    quote_verdict README.md "$1"
     quote_verdict docs/results.md "$1"
 }
 
@@ -490,8 +488,10 @@ figures() {
         "$edof" optics "$lens" --psi 0,2,4,6,8 --out "$made/$lens"
         cp "$made/$lens"/{figure1.svg,mtf.svg,psf.png} "docs/figures/$lens/"
     done
-    "$edof" demo --tone linear --height 320 --width 480 --design none --out "$made/demo"
-    cp "$made/demo/overview.png" docs/figures/demo/
+    "$edof" demo --scene chart --tone linear --height 320 --width 480 --design none --out "$made/demo-chart"
+    cp "$made/demo-chart/overview.png" docs/figures/demo/
+    "$edof" demo --design none --out "$made/demo"
+    cp "$made/demo/depths.png" docs/figures/demo/
 }
 
 for part in "$@"; do

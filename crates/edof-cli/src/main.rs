@@ -24,6 +24,7 @@
 // With the features that the Python package needs (docs/decisions/0044-python.md).
 use once_cell as _;
 
+mod advice;
 mod commands;
 mod cosim_system;
 mod demo_board;

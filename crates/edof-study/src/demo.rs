@@ -2,10 +2,12 @@
 //!
 //! Synthetic scenes are light, and all pictures of them are shown encoded; the tone says which of the two is measured.
 
+use crate::codes::{Card, Reader, ReaderError, Symbology, codes_of_luma};
 use crate::lens::in_metres;
 use crate::metrics::MetricError;
 use crate::pictures::{self, Names, Part, Picture, Truth};
-use crate::report::picture::{caption, sheet, stacked};
+use crate::report::Table;
+use crate::report::picture::{caption, enlarged, sheet, stacked};
 use edof_core::camera::Camera;
 use edof_core::{ColourFrame, Noise, RawFrame, ReconstructError, Reconstructor, Tone};
 use edof_optics::Scene;
@@ -43,6 +45,8 @@ pub struct Demo {
     pub depth: u32,
     /// All pictures, lens by lens.
     pub pictures: Vec<Picture>,
+    /// How many codes of the scene are read in each picture, where it has codes.
+    pub codes: Option<CodesRead>,
     /// The light that the method of each saw.
     #[serde(skip)]
     pub frames: Vec<ColourFrame>,
@@ -58,9 +62,43 @@ pub struct Demo {
     /// A busy part of it at each depth.
     #[serde(skip)]
     pub parts: Vec<Part>,
+    /// A larger one.
+    #[serde(skip)]
+    pub large_parts: Vec<Part>,
     /// What the sensor gave behind each lens.
     #[serde(skip)]
     pub raws: Vec<RawFrame>,
+}
+
+/// Codes that rxing reads.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct CodesRead {
+    /// Codes that are read in the scene itself.
+    pub of: usize,
+    /// Codes that are read, picture by picture.
+    pub read: Vec<usize>,
+}
+
+impl CodesRead {
+    /// Reads in pictures of a scene those codes that are read in the scene itself; none where it has none.
+    fn of(
+        codes: &[(Symbology, Card)],
+        scene: &ColourFrame,
+        frames: &[ColourFrame],
+    ) -> Result<Option<Self>, ReaderError> {
+        let is_read = |frame: &ColourFrame, codes: &[(Symbology, Card)]| -> Result<Vec<bool>, ReaderError> {
+            let luma = codes_of_luma(frame);
+            let count = |(kind, card): &(Symbology, Card)| {
+                Reader::Rxing.count(&luma, *kind, std::slice::from_ref(card))
+            };
+            codes.iter().map(|code| Ok(count(code)? == 1)).collect()
+        };
+        let left = codes.iter().zip(is_read(scene, codes)?).filter(|(_, is_read)| *is_read);
+        let left: Vec<_> = left.map(|(code, _)| code.clone()).collect();
+        let count = |frame| Ok(is_read(frame, &left)?.into_iter().filter(|is_read| *is_read).count());
+        let read = frames.iter().map(count).collect::<Result<_, ReaderError>>()?;
+        Ok((!left.is_empty()).then_some(Self { of: left.len(), read }))
+    }
 }
 
 /// A demonstration that cannot be given.
@@ -78,18 +116,22 @@ pub enum DemoError {
     /// The listener asked to stop.
     #[error("stopped")]
     Stopped,
+    /// A program that reads codes cannot be run.
+    #[error(transparent)]
+    Reader(#[from] ReaderError),
     /// A picture that cannot be encoded.
     #[error("picture: {0}")]
     Picture(#[from] image::ImageError),
 }
 
-/// Shows the scene to every lens and reconstructs each raw frame with every method of that lens. `tell` hears what comes next and may
+/// Shows the scene, in which `codes` are printed, to every lens and reconstructs each raw frame with every method of that lens. `tell` hears what comes next and may
 /// stop it.
 ///
 /// # Errors
 /// [`DemoError`].
 pub fn run(
     scene: &Scene,
+    codes: &[(Symbology, Card)],
     sensor: &Sensor,
     lenses: &[Lens<'_>],
     tone: Tone,
@@ -113,10 +155,11 @@ pub fn run(
     }
     let ((height, width), scene) = (truth.light.size(), scene.name.clone());
     let (noise, depth) = (sensor.noise, sensor.depth);
-    let (parts, truth) = (truth.parts(), truth.light);
+    let (parts, large_parts, truth) = (truth.parts(), truth.large_parts(), truth.light);
     let psis: Vec<f64> = parts.iter().map(|part| part.psi).collect();
     let metres = lenses.last().map_or_else(String::new, |lens| in_metres(&lens.camera, &psis));
     let lenses = lenses.iter().map(|lens| (lens.title.clone(), lens.about.clone())).collect();
+    let codes = CodesRead::of(codes, &truth, &frames)?;
     Ok(Demo {
         scene,
         height,
@@ -125,11 +168,13 @@ pub fn run(
         tone,
         depth,
         pictures,
+        codes,
         frames,
         lenses,
         metres,
         truth,
         parts,
+        large_parts,
         raws,
     })
 }
@@ -138,7 +183,51 @@ impl Demo {
     /// PSNRs for a terminal: of the picture, and of its light where that is measured beside it.
     #[must_use]
     pub fn to_text(&self) -> String {
-        pictures::table(&self.pictures).to_text().trim_end().to_owned()
+        self.table().to_text().trim_end().to_owned()
+    }
+
+    /// Numbers of every picture, the codes read in the last column.
+    pub(crate) fn table(&self) -> Table {
+        let mut table = pictures::table(&self.pictures);
+        if let Some(codes) = &self.codes {
+            table.header.push(format!("codes of {}", codes.of));
+            table.rows.iter_mut().zip(&codes.read).for_each(|(row, read)| row.push(read.to_string()));
+        }
+        table
+    }
+
+    /// Row and column of the best number of each column of [`Demo::table`], times left out.
+    pub(crate) fn best(&self) -> Vec<(usize, usize)> {
+        let mut best = pictures::best(&self.pictures);
+        let most = self.codes.iter().flat_map(|codes| {
+            let most = codes.read.iter().max();
+            codes.read.iter().enumerate().filter(move |(_, read)| Some(*read) == most).map(|(row, _)| row)
+        });
+        let column = self.table().header.len() - 1;
+        best.extend(most.map(|row| (row, column)));
+        best
+    }
+
+    /// A part of each depth, from left to right: in the best picture without a network, then in those of the networks.
+    #[must_use]
+    pub fn by_depth(&self) -> ColourFrame {
+        let is_network = |picture: &Picture| picture.method.contains('.');
+        let psnr = |index: &usize| self.pictures[*index].picture.psnr_db();
+        let plain = (0..self.pictures.len()).filter(|index| !is_network(&self.pictures[*index]));
+        let ordinary = plain.max_by(|a, b| psnr(a).total_cmp(&psnr(b)));
+        let is_shown = |index: &usize| Some(*index) == ordinary || is_network(&self.pictures[*index]);
+        let strip = |index: usize| {
+            let parts =
+                self.large_parts.iter().map(|part| enlarged(&part.of(&self.frames[index]), 2)).collect();
+            let parts = sheet(&[parts], 4);
+            let read =
+                self.codes.iter().map(|codes| format!(": {} of {} codes", codes.read[index], codes.of));
+            let name = self.pictures[index].name() + &read.collect::<String>();
+            let words = caption(&name, parts.size().1, Tone::Srgb);
+            stacked(&[words, parts], Tone::Srgb)
+        };
+        let strips: Vec<ColourFrame> = (0..self.pictures.len()).filter(is_shown).map(strip).collect();
+        stacked(&strips, Tone::Srgb)
     }
 
     /// The scene's light and that of all pictures in one, three in a row, in the order of [`Demo::pictures`], each with its name below;
@@ -172,7 +261,7 @@ pub(crate) mod tests {
             methods: vec![("demosaiced".into(), &malvar as &dyn Reconstructor)],
         };
         let lenses = [lens("clear"), lens("ring-outer")];
-        run(&scene, &Sensor::default(), &lenses, Tone::Srgb, |_| ControlFlow::Continue(())).unwrap()
+        run(&scene, &[], &Sensor::default(), &lenses, Tone::Srgb, |_| ControlFlow::Continue(())).unwrap()
     }
 
     #[test]
@@ -186,6 +275,17 @@ pub(crate) mod tests {
             assert!(low <= p.picture.psnr_db() && p.picture.psnr_db() <= high, "{p:?}");
             assert_ne!(p.picture.psnr_db(), p.light.psnr_db());
         }
+    }
+
+    #[test]
+    fn codes_are_counted_that_can_be_read_in_the_scene() {
+        let labels = crate::labels::draw(320, 480, [0.0, 2.0, 5.0, 8.0], 1).unwrap();
+        let scene = labels.scene.sharp();
+        let grey = ColourFrame::zeros(320, 480);
+        let codes = CodesRead::of(&labels.codes, &scene, &[scene.clone(), grey]).unwrap().unwrap();
+        assert!(codes.of > 4, "{codes:?}");
+        assert_eq!(codes.read, [codes.of, 0]);
+        assert_eq!(CodesRead::of(&[], &scene, &[]).unwrap(), None);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The demo's report: the verdict first, where we lose in words, then pictures, enlarged parts of each depth, and numbers.
 
-use crate::demo::{Demo, DemoError};
+use crate::demo::{CodesRead, Demo, DemoError};
 use crate::metrics::quality::{cell, columns};
 use crate::metrics::{BORDER, Quality};
 use crate::pictures::{self, Part, Picture, capitalised};
@@ -16,6 +16,7 @@ impl Demo {
     pub fn report(&self, command: &str) -> Result<Report, DemoError> {
         let mut report = Report::new("Extended depth of field: one scene, four depths");
         report.verdict(&self.verdict());
+        report.figures(&[self.figure_by_depth()?], Layout::Wide);
         report.paragraph(&format!(
             "The scene “{}” ({}×{} pixels) has four parts, each at its own depth. Every lens sees it once; a {}-bit sensor \
              with Bayer filters and noise “{}” gives one raw frame. Pictures are encoded as sRGB. ψ is the defocus of a plain lens, in \
@@ -40,15 +41,28 @@ impl Demo {
             "PSNR in dB of {measured}, over red, green and blue, peak 1, {BORDER} pixels of border cropped; at each \
              depth of the scene. The best number of each column is highlighted."
         ));
-        pictures::table(&self.pictures).add_to(&mut report, &pictures::best(&self.pictures));
+        self.table().add_to(&mut report, &self.best());
         report.made_by(command);
         Ok(report)
     }
 
-    /// Ours against the best of the others, and where we lose, in words.
+    /// Ours against the best of the others, where we lose, and the codes that are read, in words.
     #[must_use]
     pub fn verdict(&self) -> String {
-        pictures::verdict(&self.pictures)
+        let codes = self.codes.as_ref().map_or_else(String::new, |CodesRead { of, read }| {
+            let each = self.pictures.iter().zip(read).map(|(p, read)| format!("{read} ({})", p.name()));
+            format!(
+                " Of {of} codes that rxing reads in the scene itself, it reads {}.",
+                each.collect::<Vec<_>>().join(", ")
+            )
+        });
+        pictures::verdict(&self.pictures) + &codes
+    }
+
+    fn figure_by_depth(&self) -> Result<Figure, DemoError> {
+        let depths: Vec<String> = self.large_parts.iter().map(|part| format!("{:.1}", part.psi)).collect();
+        let note = format!("Parts at ψ = {}, two screen pixels a pixel", depths.join(", "));
+        Ok(Figure { title: "The same depths".into(), note, picture: png(&self.by_depth(), Tone::Srgb)? })
     }
 
     /// What each lens and treatment is, a line each.
@@ -115,7 +129,7 @@ mod tests {
     fn the_report_shows_every_picture_and_every_depth_and_how_to_make_it() {
         let demo = demo();
         let html = demo.report("edof demo --scene chart").unwrap().to_html();
-        assert_eq!(html.matches("<figure>").count(), 3 + 4 * 3);
+        assert_eq!(html.matches("<figure>").count(), 1 + 3 + 4 * 3);
         assert!(html.contains("<span>edof demo</span> <span>--scene chart") && html.contains("ring-outer"));
         assert!(html.find("class=\"verdict\"") < html.find("<h2>"));
         let columns = crate::pictures::table(&demo.pictures).header.len() - 2;

@@ -24,6 +24,7 @@
 //! | | [`codes`] | codes that programs can read, by lens, depth and light |
 //! | | [`tolerances`] | errors of a lens that cost 0.1 dB |
 //! | | [`design`] | foldings of networks that fit the board, and their front |
+//! | | [`labels`] | parcels at four depths, whose labels carry codes and text |
 //! | | [`demo`] | one scene at four depths through several lenses |
 //! | | [`lens`] | MTF, contrast through focus, a sheet of PSFs |
 //! | tell | [`summary`] | averages, worst depths, what fixed point and 4:2:2 cost |
@@ -46,6 +47,7 @@ pub mod key;
 pub mod knobs;
 pub mod known_blurs;
 pub mod kodak;
+pub mod labels;
 pub mod lens;
 pub mod lens_networks;
 pub mod made;

@@ -76,6 +76,8 @@ pub struct Truth {
 
 /// Sides in pixels of the enlarged parts, largest first: the first that a depth has room for.
 const SIDES: [usize; 3] = [80, 48, 24];
+/// The same of those that are shown first.
+const LARGE_SIDES: [usize; 3] = [104, 48, 24];
 /// Pixels from one place that is looked at to the next.
 const STEP: usize = 8;
 
@@ -126,6 +128,16 @@ impl Truth {
     /// The busiest part of each depth, ψ ascending; depths without room for one are left out.
     #[must_use]
     pub fn parts(&self) -> Vec<Part> {
+        self.parts_of(SIDES)
+    }
+
+    /// The same, larger.
+    #[must_use]
+    pub fn large_parts(&self) -> Vec<Part> {
+        self.parts_of(LARGE_SIDES)
+    }
+
+    fn parts_of(&self, sides: [usize; 3]) -> Vec<Part> {
         let mut psis: Vec<f32> = vec![];
         for &psi in &self.depths {
             if !psis.contains(&psi) {
@@ -135,7 +147,7 @@ impl Truth {
         psis.sort_by(f32::total_cmp);
         let busy = luma(&self.light);
         let part = |psi: f32| {
-            let found = SIDES.iter().find_map(|&side| Some((busiest(&busy, &self.depths, psi, side)?, side)));
+            let found = sides.iter().find_map(|&side| Some((busiest(&busy, &self.depths, psi, side)?, side)));
             found.map(|((row, column), side)| Part { psi: f64::from(psi), row, column, side })
         };
         psis.into_iter().filter_map(part).collect()

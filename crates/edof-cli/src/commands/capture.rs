@@ -1,5 +1,6 @@
 //! `edof capture`.
 
+use crate::advice;
 use crate::commands::scene::Drawing;
 use crate::error::Error;
 use crate::files::Files;
@@ -189,6 +190,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     progress.finish();
     captured.inputs.iter().for_each(|input| ui.used(input.clone()));
     tell(&captured, &job.camera, ui)?;
+    advice::note(&job.camera, job.sensor.noise, ui);
     ui.json(&captured)
 }
 

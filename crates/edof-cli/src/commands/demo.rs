@@ -5,22 +5,25 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::said;
 use crate::ui::Ui;
-use crate::{designs, interrupt, weights};
+use crate::{advice, designs, interrupt, weights};
 use edof_core::camera::Camera;
 use edof_core::{Noise, Reconstructor, Tone};
 use edof_deblur::Malvar;
 use edof_golden::GoldenReconstructor;
+use edof_optics::Scene;
 use edof_optics::Sensor;
 use edof_optics::draw::{Builtin, draw, four_depths};
+use edof_study::codes::{Card, Symbology};
 use edof_study::demo::{self, Demo, Lens};
+use edof_study::labels;
 use edof_study::report::picture;
 use serde_json::Value;
 use std::path::PathBuf;
 
 /// Run the whole chain: a scene at four depths through the clear and the coded lens, reconstructed in fixed point
 ///
-/// Writes report.html with all pictures side by side, the pictures as PNG files, and overview.png with all of
-/// them in one: the scene, then the lenses in the order of the table, three per row. The folder board gets the sources of a bitstream with the
+/// Writes report.html with all pictures side by side, the pictures as PNG files, depths.png with a part of each depth, and overview.png
+/// with all pictures in one: the scene, then the lenses in the order of the table, three per row. The folder board gets the sources of a bitstream with the
 /// coded lens's network. If Verilator is installed, the report shows a crop computed by that Verilog.
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -43,8 +46,8 @@ pub struct Args {
     #[arg(long, value_name = "NET")]
     clear_net: Option<String>,
 
-    /// Scene: chart (resolution charts) or leaves (dead leaves)
-    #[arg(long, default_value = "chart", value_name = "SCENE")]
+    /// Scene: labels (parcels with codes and text), chart (resolution charts) or leaves (dead leaves)
+    #[arg(long, default_value = "labels", value_name = "SCENE")]
     scene: String,
 
     /// What is measured: srgb (the encoded picture) or linear (linear light); synthetic scenes are linear light in either
@@ -82,20 +85,19 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     said::clear(args.clear_net(), &clear_camera)?;
     let sides = format!("--width {} --height {}", args.width, args.height);
     edof::job::check_memory(args.width, args.height).map_err(|e| Error::message(format!("{sides}: {e}")))?;
-    let kind = args.scene.parse::<Builtin>()?;
-    let scene = draw(kind, args.height, args.width, &four_depths(camera.psi_range), 1);
-    let scene = scene.map_err(|e| Error::message(format!("{sides}: {e}")))?;
+    let (scene, codes) = args.scene(&camera)?;
     let (board, misfit) = board(&args, ui)?.map_or_else(|misfit| (None, Some(misfit)), |board| (board, None));
-    let sensor = Sensor { depth: 12, noise: args.noise(), seed: 1, ..Sensor::default() };
+    let sensor = Sensor { depth: 12, noise: args.noise(), seed: SEED, ..Sensor::default() };
 
     let malvar = Malvar::default();
+    advice::note(&camera, sensor.noise, ui);
     let lenses = lenses(&malvar, (camera, &coded), (clear_camera, &clear))?;
     args.check_files(&lenses, board.as_ref(), ui)?;
     misfit.iter().for_each(|misfit| ui.note(format_args!("no board: {misfit}")));
     let progress = ui.progress(1, "demo");
     progress.message("capture and reconstruction");
     let go_on = |_: &str| interrupt::flow();
-    let result = demo::run(&scene, &sensor, &lenses, args.tone, go_on);
+    let result = demo::run(&scene, &codes, &sensor, &lenses, args.tone, go_on);
     interrupt::check()?;
     let result = result?;
     drop(progress);
@@ -130,11 +132,15 @@ fn board(args: &Args, ui: &Ui) -> Result<Result<Option<Board>, String>, Error> {
 
 /// The usual design.
 const DESIGN: &str = "kc705";
+/// Parcels with codes.
+const LABELS: &str = "labels";
+/// Of scenes and of the sensor.
+const SEED: u64 = 1;
 /// In place of a design's name.
 const NO_DESIGN: &str = "none";
 
 /// What is written besides a picture for each treatment behind each lens.
-const FILES: [&str; 3] = ["report.html", "overview.png", "scene.png"];
+const FILES: [&str; 4] = ["report.html", "overview.png", "depths.png", "scene.png"];
 
 /// File of a lens's picture.
 fn file_name(lens: &str, treatment: &str) -> String {
@@ -168,13 +174,14 @@ fn lenses<'a>(
 
 /// The report, every picture, and all of them in one.
 fn save(result: &Demo, board: Option<&Told>, args: &Args, ui: &Ui) -> Result<(), Error> {
-    let [file, overview, scene] = FILES.map(|name| args.out.join(name));
+    let [file, overview, depths, scene] = FILES.map(|name| args.out.join(name));
     let mut report = result.report(&ui.signed(&ui.provenance().command))?;
     board.map_or(Ok(()), |board| board.add_to(&mut report))?;
     report.save(&file)?;
     let shots =
         result.pictures.iter().map(|p| args.out.join(file_name(&p.lens, &p.treatment))).zip(&result.frames);
-    for (file, light) in [(scene, &result.truth), (overview, &result.overview())].into_iter().chain(shots) {
+    let sheets = [(scene, &result.truth), (overview, &result.overview()), (depths, &result.by_depth())];
+    for (file, light) in sheets.into_iter().chain(shots) {
         edof_core::storage::atomic::write(&file, &picture::png(light, Tone::Srgb)?)?;
     }
     Ok(())
@@ -189,6 +196,23 @@ fn method(net: &str, ui: &Ui) -> Result<(Camera, GoldenReconstructor), Error> {
 }
 
 impl Args {
+    /// The scene at four depths of a camera's range, and the codes that are printed in it.
+    fn scene(&self, camera: &Camera) -> Result<(Scene, Vec<(Symbology, Card)>), Error> {
+        let Self { height, width, .. } = *self;
+        let sides =
+            |e: &dyn std::fmt::Display| Error::message(format!("--width {width} --height {height}: {e}"));
+        let depths = four_depths(camera.psi_range);
+        if self.scene == LABELS {
+            let labels = labels::draw(height, width, depths, SEED).map_err(|e| sides(&e))?;
+            return Ok((labels.scene, labels.codes));
+        }
+        let unknown =
+            |_| Error::message(format!("--scene {}: must be {LABELS}, chart or leaves", self.scene));
+        let kind = self.scene.parse::<Builtin>().map_err(unknown)?;
+        let scene = draw(kind, height, width, &depths, SEED).map_err(|e| sides(&e))?;
+        Ok((scene, vec![]))
+    }
+
     /// Rejects before the work what could not be written after it.
     fn check_files(&self, lenses: &[Lens<'_>], board: Option<&Board>, ui: &Ui) -> Result<(), Error> {
         let names =

@@ -106,15 +106,13 @@ impl Advice {
 /// [`BoundError`]: a range too wide at every stop, or a camera with a PSF bank.
 pub fn advise(camera: &Camera, light: Light, statistics: &Statistics) -> Result<Advice, BoundError> {
     let stops = possible(camera, &STOPS)?;
-    let lights = [light];
-    let judged = |stops: &[f64], camera: &Camera, sides, sampling| -> Option<Best> {
-        Judge::new(&lights, stops, sampling, statistics).best(camera, sides).into_iter().next()
-    };
+    let judged =
+        |at: f64, camera: &Camera, sides, sampling| judged(at, camera, sides, sampling, light, statistics);
     let clear = without_mask(camera);
     let mut clear_peaks = Reached { average_db: f64::NEG_INFINITY, worst_db: f64::NEG_INFINITY };
     let mut choices = vec![];
     for &at in &stops {
-        let Some(best) = judged(&[at], &clear, Sides::Alike, Sampling::Fine) else { continue };
+        let Some(best) = judged(at, &clear, Sides::Alike, Sampling::Fine) else { continue };
         clear_peaks.average_db = clear_peaks.average_db.max(best.known.reached.average_db);
         clear_peaks.worst_db = clear_peaks.worst_db.max(best.known.reached.worst_db);
         choices.push(choice(Kind::Clear, &clear, best));
@@ -122,7 +120,7 @@ pub fn advise(camera: &Camera, light: Light, statistics: &Statistics) -> Result<
     let masked = &stops[..stops.len().min(MASKED_STOPS)];
     let best_of = |all: Vec<Choice>| all.into_iter().max_by(|a, b| by_score(b, a));
     if !camera.is_clear() {
-        let own = masked.iter().filter_map(|at| judged(&[*at], camera, Sides::Differ, Sampling::Fine));
+        let own = masked.iter().filter_map(|at| judged(*at, camera, Sides::Differ, Sampling::Fine));
         choices.extend(best_of(own.map(|best| choice(Kind::Own, camera, best)).collect()));
     }
     let cubic = |at: f64, per_psi: f64| {
@@ -132,21 +130,54 @@ pub fn advise(camera: &Camera, light: Light, statistics: &Statistics) -> Result<
     let cubics = masked.iter().flat_map(|&at| STRENGTHS.map(|per_psi| (at, cubic(at, per_psi))));
     let coarse = cubics.filter_map(|(at, cubic)| {
         let lens = cubic.on(&clear);
-        judged(&[at], &lens, Sides::Alike, Sampling::Coarse)
-            .map(|best| choice(Kind::Cubic(cubic), &lens, best))
+        judged(at, &lens, Sides::Alike, Sampling::Coarse).map(|best| choice(Kind::Cubic(cubic), &lens, best))
     });
     if let Some(Choice { kind: kind @ Kind::Cubic(cubic), stops, .. }) = best_of(coarse.collect()) {
         let lens = cubic.on(&clear);
-        choices.extend(
-            judged(&[stops], &lens, Sides::Alike, Sampling::Fine).map(|best| choice(kind, &lens, best)),
-        );
+        choices
+            .extend(judged(stops, &lens, Sides::Alike, Sampling::Fine).map(|best| choice(kind, &lens, best)));
     }
-    let ceiling = ceilings(camera, &lights, stops[0], statistics)[0];
+    let ceiling = ceilings(camera, &[light], stops[0], statistics)[0];
     choices.sort_by(by_score);
     let first_clear = choices.iter().position(|c| c.kind == Kind::Clear).unwrap_or(0);
     let ahead = choices[0].expected().score() - choices[first_clear].expected().score();
     let advised = choices.remove(if ahead > RANKING_ERROR_DB { 0 } else { first_clear });
     Ok(Advice { advised, others: choices, ceiling, clear_peaks })
+}
+
+/// Returns the clear lens that is ahead of a camera as it is by more than the ranking can err, with the dB by which it is. Takes a fraction of
+/// what [`advise`] does.
+///
+/// # Errors
+/// [`BoundError`], as [`advise`].
+pub fn better_clear(
+    camera: &Camera,
+    light: Light,
+    statistics: &Statistics,
+) -> Result<Option<(Choice, Reached)>, BoundError> {
+    let stops = possible(camera, &STOPS)?;
+    let (clear, sides) = (without_mask(camera), if camera.is_clear() { Sides::Alike } else { Sides::Differ });
+    let judged =
+        |at: f64, camera: &Camera, sides| judged(at, camera, sides, Sampling::Fine, light, statistics);
+    let Some(own) = judged(0.0, camera, sides).map(|best| choice(Kind::Own, camera, best)) else {
+        return Ok(None);
+    };
+    let clears = stops.iter().take(MASKED_STOPS).filter_map(|&at| judged(at, &clear, Sides::Alike));
+    let best = clears.map(|best| choice(Kind::Clear, &clear, best)).min_by(by_score);
+    let ahead = best.map(|best| (best.expected().minus(own.expected()), best));
+    Ok(ahead.filter(|(by, _)| by.score() > RANKING_ERROR_DB).map(|(by, best)| (best, by)))
+}
+
+/// What a lens reaches at one stop.
+fn judged(
+    at: f64,
+    camera: &Camera,
+    sides: Sides,
+    sampling: Sampling,
+    light: Light,
+    statistics: &Statistics,
+) -> Option<Best> {
+    Judge::new(&[light], &[at], sampling, statistics).best(camera, sides).into_iter().next()
 }
 
 /// The best first.
@@ -187,6 +218,20 @@ mod tests {
         assert!(advice.others.iter().all(|other| advice.cost(other).score() > -RANKING_ERROR_DB));
         let gain = advice.any_mask_gains();
         assert!(gain.average_db > 0.5 && gain.average_db < 1.0, "{gain:?}");
+    }
+
+    #[test]
+    fn a_clear_lens_is_ahead_of_a_mask_as_the_whole_advice_says_and_of_none_that_is_advised() {
+        let light = Light { electrons: 2500.0, read_noise_e: 2.5, mean: Light::MEAN };
+        let natural = Statistics::natural();
+        let ring = Camera::resolve("ring-outer").unwrap();
+        let (better, by) = better_clear(&ring, light, &natural).unwrap().unwrap();
+        let advice = advise(&ring, light, &natural).unwrap();
+        assert_eq!(better, advice.advised);
+        let own = advice.others.iter().find(|other| other.kind == Kind::Own).unwrap();
+        assert_eq!((own.stops, by), (0.0, advice.cost(own)));
+        let open = Light { electrons: 1000.0, ..light };
+        assert_eq!(better_clear(&Camera::resolve("clear-mid").unwrap(), open, &natural), Ok(None));
     }
 
     #[test]

@@ -282,7 +282,7 @@ fn behind(noise: Noise, area: f64) -> Noise {
 }
 
 /// Returns the luma of a frame as it is looked at, in codes of 0 to 255.
-fn codes_of_luma(frame: &ColourFrame) -> Array2<u8> {
+pub(crate) fn codes_of_luma(frame: &ColourFrame) -> Array2<u8> {
     luma(&shown(frame, Tone::Srgb)).mapv(|v| (255.0 * v.clamp(0.0, 1.0)).round() as u8)
 }
 

@@ -70,7 +70,7 @@ impl Symbology {
     }
 
     /// Modules of white around a symbol, at least those of its standard.
-    const fn quiet_zone(self) -> usize {
+    pub(crate) const fn quiet_zone(self) -> usize {
         match self {
             Self::Qr => 4,
             Self::DataMatrix => 2,
@@ -80,7 +80,7 @@ impl Symbology {
     }
 
     /// Returns what a random symbol says.
-    fn text(self, draw: &mut Draw) -> String {
+    pub(crate) fn text(self, draw: &mut Draw) -> String {
         match self {
             Self::Ean13 => with_check_digit((0..12).map(|_| draw.whole(0, 9) as u8).collect()),
             Self::Qr | Self::DataMatrix | Self::Code128 => {
@@ -91,7 +91,7 @@ impl Symbology {
     }
 
     /// Returns rows of modules, dark ones true, without a quiet zone.
-    fn modules(self, text: &str) -> Result<Vec<Vec<bool>>, rxing::Exceptions> {
+    pub(crate) fn modules(self, text: &str) -> Result<Vec<Vec<bool>>, rxing::Exceptions> {
         let symbol: BitMatrix = MultiFormatWriter.encode(text, &self.format(), 1, 1)?;
         let [left, top, width, height] = symbol.getEnclosingRectangle().unwrap_or_default();
         let row = |y: u32| (left..left + width).map(|x| symbol.get(x, top + y)).collect::<Vec<bool>>();

@@ -20,6 +20,7 @@
 
 pub mod csv;
 pub mod html;
+pub(crate) mod letters;
 pub mod picture;
 pub mod plot;
 pub mod table;

@@ -3,8 +3,9 @@
 //! A frame that holds light is encoded ([`Tone::Srgb`]); one whose values are shown as they are, such as kernels or a photograph
 //! whose sRGB codes were taken for light, is not ([`Tone::Linear`]).
 
+use super::letters::Writing;
 use base64::prelude::{BASE64_STANDARD, Engine};
-use edof_core::{ColourFrame, Tone, font};
+use edof_core::{ColourFrame, Tone};
 use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
@@ -116,44 +117,49 @@ pub fn enlarged(frame: &ColourFrame, factor: usize) -> ColourFrame {
 /// How bright captions' paper and ink are shown.
 const PAPER: f32 = 0.94;
 const INK: f32 = 0.1;
-/// Pixels of a letter's dot.
-const DOT: usize = 2;
+/// Height in pixels of a caption's capitals, and from line to line.
+const CAPITAL: f64 = 13.0;
+const PITCH: usize = 19;
 /// Pixels around a caption.
 const MARGIN: usize = 6;
+/// Samples along each side of a caption's pixel.
+const FINE: usize = 4;
 
 /// A strip of `width` pixels with a text in capitals, wrapped between words: what stands below a picture and covers nothing of it.
 /// `tone` is that of the picture, as for [`png`].
 #[must_use]
 pub fn caption(text: &str, width: usize, tone: Tone) -> ColourFrame {
-    // The font knows no Greek.
+    // There are no Greek letters.
     let text = text.replace('ψ', "psi").replace('µ', "u").to_uppercase();
-    let letters = (width.saturating_sub(2 * MARGIN) / (DOT * font::ADVANCE as usize)).max(1);
-    let lines = wrapped(&text, letters);
-    let pitch = DOT * (font::HEIGHT as usize + 2);
-    let mut strip = ColourFrame::zeros(MARGIN + pitch * lines.len() + MARGIN, width);
-    let [paper, ink] = [PAPER, INK].map(|shown| tone.decode(shown));
-    strip.planes.fill(paper);
+    let lines = wrapped(&text, width.saturating_sub(2 * MARGIN) as f64);
+    let lines: Vec<Writing> = lines.iter().map(|line| Writing::new(line)).collect();
+    let mut strip = ColourFrame::zeros(MARGIN + PITCH * lines.len() + MARGIN, width);
+    let inked = |line: &Writing, y: usize, x: usize| {
+        let at = |pixel: usize, i: usize| pixel as f64 + (i as f64 + 0.5) / FINE as f64;
+        let hits = (0..FINE * FINE).filter(|i| line.is_ink(CAPITAL, at(x, i % FINE), at(y, i / FINE)));
+        hits.count() as f32 / (FINE * FINE) as f32
+    };
     for ((_, row, column), value) in strip.planes.indexed_iter_mut() {
-        let (Some(y), Some(x)) = (row.checked_sub(MARGIN), column.checked_sub(MARGIN)) else { continue };
-        let Some(line) = lines.get(y / pitch) else { continue };
-        if font::is_ink(line, x as f64 / DOT as f64, (y % pitch) as f64 / DOT as f64) {
-            *value = ink;
-        }
+        let at = row.checked_sub(MARGIN).zip(column.checked_sub(MARGIN));
+        let ink = at.and_then(|(y, x)| Some(inked(lines.get(y / PITCH)?, y % PITCH, x))).unwrap_or(0.0);
+        *value = tone.decode(PAPER + (INK - PAPER) * ink);
     }
     strip
 }
 
-/// Lines of at most N letters; a longer word is cut.
-fn wrapped(text: &str, letters: usize) -> Vec<String> {
+/// Lines that have room in a width; a longer word is cut.
+fn wrapped(text: &str, room: f64) -> Vec<String> {
+    let fits = |text: &str| Writing::new(text).width(CAPITAL) <= room;
     let mut lines: Vec<String> = vec![];
     for word in text.split_whitespace() {
-        let word: String = word.chars().take(letters).collect();
-        match lines.last_mut() {
-            Some(line) if line.chars().count() + 1 + word.chars().count() <= letters => {
-                line.push(' ');
-                line.push_str(&word);
+        let longer = lines.last().map(|line| format!("{line} {word}")).filter(|longer| fits(longer));
+        match (lines.last_mut(), longer) {
+            (Some(line), Some(longer)) => *line = longer,
+            _ => {
+                let ends = word.char_indices().map(|(at, letter)| at + letter.len_utf8());
+                let end = ends.take_while(|end| fits(&word[..*end])).last().unwrap_or(0);
+                lines.push(word[..end].to_owned());
             }
-            _ => lines.push(word),
         }
     }
     lines
@@ -225,17 +231,22 @@ mod tests {
 
     #[test]
     fn a_caption_is_wrapped_and_has_ink_where_letters_are() {
-        let letter = DOT * font::ADVANCE as usize;
-        let width = 2 * MARGIN + 9 * letter;
+        let room = Writing::new("PSI = 4,").width(CAPITAL).ceil();
+        let width = 2 * MARGIN + room as usize;
         let strip = caption("ψ = 4, clear lens", width, Tone::Linear);
-        assert_eq!(wrapped("PSI = 4, CLEAR LENS", 9), ["PSI = 4,", "CLEAR", "LENS"]);
-        assert_eq!(strip.size(), (2 * MARGIN + 3 * DOT * 9, width));
+        assert_eq!(wrapped("PSI = 4, CLEAR LENS", room), ["PSI = 4,", "CLEAR", "LENS"]);
+        assert_eq!(strip.size(), (2 * MARGIN + 3 * PITCH, width));
         let ink = |columns: std::ops::Range<usize>| {
-            strip.planes.slice(s![0, MARGIN..MARGIN + 14, columns]).iter().filter(|v| **v == INK).count()
+            strip
+                .planes
+                .slice(s![0, MARGIN..MARGIN + PITCH, columns])
+                .iter()
+                .filter(|v| **v < INK + 1e-3)
+                .count()
         };
-        assert!(ink(MARGIN..MARGIN + letter) > 0, "a P");
-        assert_eq!(ink(MARGIN + 8 * letter..width), 0, "nothing after the comma");
-        assert_eq!(wrapped("TOOLONG", 3), ["TOO"]);
+        assert!(ink(MARGIN..MARGIN + 10) > 0, "a P");
+        assert_eq!(ink(width - MARGIN..width), 0, "nothing in the margin");
+        assert_eq!(wrapped("TOOLONG", Writing::new("TOO").width(CAPITAL)), ["TOO"]);
     }
 
     #[test]

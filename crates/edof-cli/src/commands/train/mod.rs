@@ -17,9 +17,10 @@ use crate::files::Files;
 use crate::kind::Kind;
 use crate::lens::{self, Lens};
 use crate::ui::Ui;
-use crate::{interrupt, said, weights};
+use crate::{advice, interrupt, said, weights};
 use edof_core::storage::name;
 use edof_core::storage::provenance::{Input, Provenance};
+use edof_core::{Noise, Tone};
 use edof_network::network::{Form, Network};
 use edof_network::weight_file;
 use edof_train::checkpoint::Run;
@@ -59,6 +60,10 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     check_threads(args.threads()).map_err(said::recipe)?;
     said::memory(&format!("--batch {}", recipe.batch), recipe.batch as f64 * bytes_a_window(&recipe.form))?;
     let psis = spread(camera.psi_range, args.depths)?;
+    let [least, most] = recipe.conditions.gain;
+    if recipe.tone == Tone::Srgb {
+        advice::note(&camera, Noise::sensor((least * most).sqrt().into()), ui);
+    }
     let mut photographs = photographs::photographs(&args.images, args.photos.as_ref(), ui)?;
     photographs::leave_out(&mut photographs, &args.leave_out)?;
     let photos: Vec<Input> = photographs.iter().map(|p| Input::photograph(&p.name(), &p.frame)).collect();
