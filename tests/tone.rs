@@ -99,7 +99,7 @@ fn a_study_measures_any_network_under_either_tone() {
 fn the_demo_measures_the_encoded_picture_and_its_light() {
     let place = Place::new();
     place.fixed_network("net.safetensors");
-    let line = "demo --net net.safetensors --clear-net net.safetensors --height 96 --width 128 --out out --json demo.json";
+    let line = "demo --scene chart --net net.safetensors --clear-net net.safetensors --height 96 --width 128 --out out --json demo.json";
     place.edof(line).done();
     let demo = read_json(&place, "demo.json");
     assert_eq!((&demo["tone"], &demo["noise"]), (&json!("srgb"), &json!("sensor:gain=4")));

@@ -31,7 +31,7 @@ const MARGIN: f64 = 7.0;
 /// Pixels from one row of print to the next.
 const GAP: f64 = 4.0;
 /// Samples along each side of a pixel.
-const FINE: usize = 6;
+const FINE: usize = 4;
 
 /// The scene, and the codes that are seen in it.
 #[derive(Debug, Clone)]
@@ -190,6 +190,11 @@ impl Parcel {
         (self.cosine * dy - self.sine * dx, self.sine * dy + self.cosine * dx)
     }
 
+    fn is_far_from(&self, row: usize, column: usize) -> bool {
+        let reach = self.half.0.hypot(self.half.1) + 2.0;
+        (row as f64 - self.centre.0).hypot(column as f64 - self.centre.1) > reach
+    }
+
     /// The other way round.
     fn global(&self, y: f64, x: f64) -> (f64, f64) {
         (self.centre.0 + self.cosine * y + self.sine * x, self.centre.1 - self.sine * y + self.cosine * x)
@@ -226,6 +231,9 @@ impl Parcel {
         let at = |pixel: usize, i: usize| pixel as f64 + (i as f64 + 0.5) / FINE as f64;
         let pixel = |row: usize, column: usize| {
             let (mut sum, mut covered) = ([0.0; 3], 0);
+            if !is_first && self.is_far_from(row, column) {
+                return (sum, covered);
+            }
             for i in 0..FINE * FINE {
                 let (y, x) = (at(row, i / FINE), at(column, i % FINE));
                 let Some(colour) = self.light(self.local(y, x)).or_else(|| behind(y)) else { continue };

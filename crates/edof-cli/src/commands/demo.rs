@@ -85,14 +85,15 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     said::clear(args.clear_net(), &clear_camera)?;
     let sides = format!("--width {} --height {}", args.width, args.height);
     edof::job::check_memory(args.width, args.height).map_err(|e| Error::message(format!("{sides}: {e}")))?;
-    let (scene, codes) = args.scene(&camera)?;
     let (board, misfit) = board(&args, ui)?.map_or_else(|misfit| (None, Some(misfit)), |board| (board, None));
     let sensor = Sensor { depth: 12, noise: args.noise(), seed: SEED, ..Sensor::default() };
 
     let malvar = Malvar::default();
-    advice::note(&camera, sensor.noise, ui);
     let lenses = lenses(&malvar, (camera, &coded), (clear_camera, &clear))?;
     args.check_files(&lenses, board.as_ref(), ui)?;
+    let coded = &lenses[2].camera;
+    let (scene, codes) = args.scene(coded)?;
+    advice::note(coded, sensor.noise, ui);
     misfit.iter().for_each(|misfit| ui.note(format_args!("no board: {misfit}")));
     let progress = ui.progress(1, "demo");
     progress.message("capture and reconstruction");
