@@ -240,16 +240,16 @@ fn random_designs(seed: u64, count: usize, any: bool, steps: impl Fn(usize) -> S
 
 /// Each step, but not each for every design.
 fn shared_steps(index: usize) -> Steps {
-    let circuit = if index.is_multiple_of(7) { 700 } else { 0 };
-    Steps { core: index % 5 == 2, cosim: index % 5 == 1, circuit, newest_yosys: None }
+    let circuit = if index.is_multiple_of(10) { 700 } else { 0 };
+    Steps { core: index % 10 == 2, cosim: index % 5 == 1, circuit, newest_yosys: None }
 }
 
-/// Four designs; of other seeds with `EDOF_DESIGN_SEEDS=2,3,…`.
+/// Ten designs; of other seeds with `EDOF_DESIGN_SEEDS=2,3,…`.
 #[test]
-fn four_designs_work_in_every_step() {
+fn ten_designs_work_in_every_step() {
     let seeds = std::env::var("EDOF_DESIGN_SEEDS").unwrap_or_else(|_| "1".into());
     for seed in seeds.split(',') {
-        random_designs(seed.parse().unwrap(), 4, false, shared_steps);
+        random_designs(seed.parse().unwrap(), 10, false, shared_steps);
     }
 }
 
