@@ -4,6 +4,7 @@ import os
 import signal
 import threading
 import time
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -24,6 +25,46 @@ def test_strides_of_any_sign_give_the_result_of_a_copy(network: edof.FixedNetwor
     assert edof.encode(planes).tobytes() == edof.encode(planes.copy()).tobytes()
     kernel = edof.psf("ring-outer", 4.0)[1]
     assert edof.blur(planes[0, ::-1], kernel).tobytes() == edof.blur(planes[0, ::-1].copy(), kernel).tobytes()
+
+
+def unaligned(array: NDArray[Any]) -> NDArray[Any]:
+    """The array at an odd address."""
+    memory = np.zeros(array.nbytes + 1, np.uint8)
+    view = memory[1:].view(array.dtype).reshape(array.shape)
+    view[...] = array
+    return view
+
+
+def test_arrays_of_every_type_give_the_result_of_the_native_type(network: edof.FixedNetwork, light: NDArray[np.float32]) -> None:
+    raw = np.random.default_rng(0).integers(0, 256, (32, 48)).astype(np.uint16)
+    expected = edof.reconstruct(raw, network, depth=12)
+    for kind in ["u1", "<u2", ">u2", "<i2", ">i4", "i8", ">u8", "f2", "<f4", ">f8"]:
+        for view in [raw.astype(kind), raw[::-1].astype(kind)[::-1], unaligned(raw.astype(kind))]:
+            assert edof.reconstruct(view, network, depth=12).tobytes() == expected.tobytes(), kind
+    coarse = light.astype(np.float16).astype(np.float32)
+    expected = edof.encode(coarse)
+    for kind in ["<f2", ">f2", "<f4", ">f4", "<f8", ">f8", "g"]:
+        for view in [coarse.astype(kind), coarse.astype(kind).transpose(1, 2, 0).copy().transpose(2, 0, 1), unaligned(coarse.astype(kind))]:
+            assert edof.encode(view).tobytes() == expected.tobytes(), kind
+    # Numbers between those of float32 are rounded to the nearest, as NumPy does.
+    fine = light.astype(np.float64) + 1e-9
+    assert edof.encode(fine).tobytes() == edof.encode(fine.astype(np.float32)).tobytes()
+    bank = np.stack([np.stack([edof.psf("clear", 0.0)[1]] * 3)] * 2)
+    camera = edof.Camera("clear")
+    assert camera.with_psfs(np.arange(2), bank.astype(np.float64)) == camera.with_psfs(np.array([0.0, 1.0]), bank)
+
+
+def test_arrays_of_the_native_type_are_read_in_place() -> None:
+    raw = np.zeros((1, 1 << 22), np.uint16)
+    peaks = []
+    for view in [raw, raw.view(np.int16)]:
+        tracemalloc.start()
+        with pytest.raises(edof.EdofError, match="4194304x1"):
+            edof.demosaic(view)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    # A conversion passes through a copy.
+    assert peaks[0] < 1 << 20 < raw.nbytes < peaks[1]
 
 
 def test_read_only_arrays_are_read_and_results_are_writable(network: edof.FixedNetwork) -> None:
