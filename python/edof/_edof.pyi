@@ -1,6 +1,6 @@
 """What every class and function takes and gives.
 
-Raw frames are uint16 arrays (rows x columns) of sensor values 0 to 2^depth - 1, both sides even. Pictures are float32 arrays
+Raw frames are uint16 arrays (rows x columns) of sensor values 0 to 2^bit_depth - 1, both sides even. Pictures are float32 arrays
 (3 x rows x columns: red, green, blue) of linear light, full scale 1; planes are one of the three. Arrays may have any strides. Arrays of
 these types are read in place. Others are converted by a copy: raw frames from any integers or whole floats, pictures from float64 or
 float16, in any byte order; a number that does not fit raises EdofError. Depths are psi, the defocus parameter in radians at the camera's
@@ -154,7 +154,7 @@ class Capture:
         """The light on the sensor before its colour filters."""
 
     @property
-    def depth(self) -> int:
+    def bit_depth(self) -> int:
         """Bits of the sensor."""
 
     @property
@@ -342,7 +342,7 @@ class Design:
         network: Optional[_Fixed] = None,
         raw: Union[_Numbers, Sequence[_Numbers], None] = None,
         *,
-        depth: Optional[SupportsIndex] = None,
+        bit_depth: Optional[SupportsIndex] = None,
         phase: str = "rggb",
     ) -> dict[str, Any]:
         """Cycles per patch, frames per second and cells, as `edof estimate --json`; with a network, measured on raw frames."""
@@ -352,7 +352,7 @@ class Design:
         network: _Fixed,
         raw: Union[_Numbers, Sequence[_Numbers]],
         *,
-        depth: Optional[SupportsIndex] = None,
+        bit_depth: Optional[SupportsIndex] = None,
         phase: str = "rggb",
         fps: float = 60.0,
     ) -> list[dict[str, Any]]:
@@ -403,7 +403,7 @@ class Board:
         network: _Fixed,
         raw: _Numbers,
         *,
-        depth: Optional[SupportsIndex] = None,
+        bit_depth: Optional[SupportsIndex] = None,
         phase: str = "rggb",
         baud: Optional[SupportsIndex] = None,
     ) -> Board:
@@ -521,7 +521,7 @@ def capture(
     camera: _Camera,
     psi: Optional[float] = None,
     *,
-    depth: Optional[SupportsIndex] = None,
+    bit_depth: Optional[SupportsIndex] = None,
     phase: str = "rggb",
     noise: Union[str, float, None] = None,
     seed: Optional[SupportsIndex] = None,
@@ -531,27 +531,27 @@ def capture(
     depth_tolerance: float = 0.0,
     exact: bool = False,
 ) -> Capture:
-    """The raw frame that a camera gives of a scene, or of a picture at `psi`. `depth`: bits of the sensor, 8 to 16 (default 12). `noise`: standard
+    """The raw frame that a camera gives of a scene, or of a picture at `psi`. `bit_depth`: bits of the sensor, 8 to 16 (default 12). `noise`: standard
     deviation in units of full scale, or a word such as sensor:gain=4. The same seed gives the same noise. As `edof capture`."""
 
 def reconstruct(
     raw: _Numbers,
     network: _Net,
     *,
-    depth: Optional[SupportsIndex] = None,
+    bit_depth: Optional[SupportsIndex] = None,
     phase: str = "rggb",
     black_level: Union[float, Sequence[float], None] = None,
     white_level: Optional[float] = None,
     stride: Optional[SupportsIndex] = None,
 ) -> _Light:
     """Linear light of a raw frame: with a Network in floating point (`stride` 2, 4 or 8, default 8), with a FixedNetwork, a name or a file in the board's
-    integers (docs/contract.md, section 6, as RGB). `depth`: bits, 8 to 16 (default 16). Levels are sensor values."""
+    integers (docs/contract.md, section 6, as RGB). `bit_depth`: bits, 8 to 16 (default 16). Levels are sensor values."""
 
 def board_picture(
     raw: _Numbers,
     network: _Fixed,
     *,
-    depth: Optional[SupportsIndex] = None,
+    bit_depth: Optional[SupportsIndex] = None,
     phase: str = "rggb",
     black_level: Union[float, Sequence[float], None] = None,
     white_level: Optional[float] = None,
@@ -565,7 +565,7 @@ def words(
     raw: _Numbers,
     network: _Fixed,
     *,
-    depth: Optional[SupportsIndex] = None,
+    bit_depth: Optional[SupportsIndex] = None,
     phase: str = "rggb",
     black_level: Union[float, Sequence[float], None] = None,
     white_level: Optional[float] = None,
@@ -575,7 +575,7 @@ def words(
     """Every word at every boundary (int16: y, b1, z1, v1, ..., f, as rows of patches x columns of patches x words; luma, cb, cr) and the codes (uint8: y_code,
     cb_code, cr_code): words.npz of docs/contract.md, section 8."""
 
-def cable_pixels(raw: _Numbers, *, depth: Optional[SupportsIndex] = None, phase: str = "rggb") -> NDArray[np.uint16]:
+def cable_pixels(raw: _Numbers, *, bit_depth: Optional[SupportsIndex] = None, phase: str = "rggb") -> NDArray[np.uint16]:
     """A frame as pixels on the video cable (docs/contract.md, 1.1): the luma code low, the chroma code high; rows x columns."""
 
 def uartbone_read(address: SupportsIndex, words: SupportsIndex) -> bytes:
@@ -591,7 +591,7 @@ def demosaic(
     raw: _Numbers,
     *,
     method: str = "malvar",
-    depth: Optional[SupportsIndex] = None,
+    bit_depth: Optional[SupportsIndex] = None,
     phase: str = "rggb",
     black_level: Union[float, Sequence[float], None] = None,
     white_level: Optional[float] = None,

@@ -176,18 +176,18 @@ impl PyBoard {
     }
 
     #[staticmethod]
-    #[pyo3(signature = (design, network, raw, *, depth = None, phase = "rggb", baud = None))]
+    #[pyo3(signature = (design, network, raw, *, bit_depth = None, phase = "rggb", baud = None))]
     fn simulated(
         py: Python<'_>,
         design: &Bound<'_, PyAny>,
         network: &Bound<'_, PyAny>,
         raw: &Bound<'_, PyAny>,
-        depth: Option<&Bound<'_, PyAny>>,
+        bit_depth: Option<&Bound<'_, PyAny>>,
         phase: &str,
         baud: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let (design, golden) = (self::design(design)?, fixed(network)?);
-        let raw = frame(raw, depth, phase, None, None)?;
+        let raw = frame(raw, bit_depth, phase, None, None)?;
         let raw = cable::carried(&raw.encoded(golden.network().origin.values));
         let (found, frame) = (raw.size(), design.frame);
         if found != (frame.height, frame.width) {

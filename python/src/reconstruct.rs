@@ -46,14 +46,15 @@ pub fn fixed(value: &Bound<'_, PyAny>) -> PyResult<Arc<Golden>> {
 /// A raw frame as light: its sensor values, and what darkness and full light are in it.
 pub fn frame(
     raw: &Bound<'_, PyAny>,
-    depth: Option<&Bound<'_, PyAny>>,
+    bit_depth: Option<&Bound<'_, PyAny>>,
     phase: &str,
     black_level: Option<&Bound<'_, PyAny>>,
     white_level: Option<f64>,
 ) -> PyResult<RawFrame> {
-    let depth = depth.map_or(Ok(16), |value| crate::arguments::whole(value, "depth", 8, 16))? as u32;
+    let bit_depth =
+        bit_depth.map_or(Ok(16), |value| crate::arguments::whole(value, "bit_depth", 8, 16))? as u32;
     let raw = array::<u16, Ix2>(raw, "raw", "rows x columns of sensor values")?;
-    let frame = RawFrame::from_view(raw.as_array(), depth, word(phase)?).or_raise()?;
+    let frame = RawFrame::from_view(raw.as_array(), bit_depth, word(phase)?).or_raise()?;
     let black = match black_level {
         None => Black::default(),
         Some(value) => match (value.extract::<f64>(), value.extract::<[f64; 4]>()) {
@@ -87,20 +88,20 @@ pub fn curve(name: &str) -> PyResult<Curve> {
 
 /// Linear light of a frame.
 #[pyfunction]
-#[pyo3(signature = (raw, network, *, depth = None, phase = "rggb", black_level = None, white_level = None, stride = None))]
+#[pyo3(signature = (raw, network, *, bit_depth = None, phase = "rggb", black_level = None, white_level = None, stride = None))]
 #[allow(clippy::too_many_arguments, reason = "what a frame is")]
 pub fn reconstruct<'py>(
     py: Python<'py>,
     raw: &Bound<'py, PyAny>,
     network: &Bound<'py, PyAny>,
-    depth: Option<&Bound<'py, PyAny>>,
+    bit_depth: Option<&Bound<'py, PyAny>>,
     phase: &str,
     black_level: Option<&Bound<'py, PyAny>>,
     white_level: Option<f64>,
     stride: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let (net, asked) = (net(network)?, stride.map(self::stride).transpose()?);
-    let raw = frame(raw, depth, phase, black_level, white_level)?;
+    let raw = frame(raw, bit_depth, phase, black_level, white_level)?;
     let light = match net {
         Net::Float(network) => {
             let stride = asked.unwrap_or(Stride::PATCH);
@@ -153,13 +154,13 @@ impl PyBoardPicture {
 
 /// The codes that leave the board's HDMI port.
 #[pyfunction]
-#[pyo3(signature = (raw, network, *, depth = None, phase = "rggb", black_level = None, white_level = None, display = "colour", curve = "srgb"))]
+#[pyo3(signature = (raw, network, *, bit_depth = None, phase = "rggb", black_level = None, white_level = None, display = "colour", curve = "srgb"))]
 #[allow(clippy::too_many_arguments, reason = "what a frame is")]
 pub fn board_picture(
     py: Python<'_>,
     raw: &Bound<'_, PyAny>,
     network: &Bound<'_, PyAny>,
-    depth: Option<&Bound<'_, PyAny>>,
+    bit_depth: Option<&Bound<'_, PyAny>>,
     phase: &str,
     black_level: Option<&Bound<'_, PyAny>>,
     white_level: Option<f64>,
@@ -170,7 +171,7 @@ pub fn board_picture(
     let values = golden.network().origin.values;
     let display = Display::of_values(values, word::<DisplayMode>(display)?, self::curve(curve)?);
     // To the board leads a cable.
-    let raw = cable::carried(&frame(raw, depth, phase, black_level, white_level)?.encoded(values));
+    let raw = cable::carried(&frame(raw, bit_depth, phase, black_level, white_level)?.encoded(values));
     let (out, (picture, shown)) = job::run(py, move |_| {
         let out = golden.frame(&raw)?;
         let picture = out.picture(&display);
@@ -196,26 +197,26 @@ pub fn board_picture(
 
 /// A frame as pixels on the video cable: the luma code low, the chroma code high.
 #[pyfunction]
-#[pyo3(signature = (raw, *, depth = None, phase = "rggb"))]
+#[pyo3(signature = (raw, *, bit_depth = None, phase = "rggb"))]
 pub fn cable_pixels<'py>(
     py: Python<'py>,
     raw: &Bound<'py, PyAny>,
-    depth: Option<&Bound<'py, PyAny>>,
+    bit_depth: Option<&Bound<'py, PyAny>>,
     phase: &str,
 ) -> PyResult<Bound<'py, PyArray2<u16>>> {
-    let raw = frame(raw, depth, phase, None, None)?;
+    let raw = frame(raw, bit_depth, phase, None, None)?;
     Ok(raw.pixels().mapv(|word| u16::from_le_bytes(cable::codes(word))).into_pyarray(py))
 }
 
 /// Every word at every boundary, under the names of docs/contract.md, section 8.
 #[pyfunction]
-#[pyo3(signature = (raw, network, *, depth = None, phase = "rggb", black_level = None, white_level = None, display = "colour", curve = "srgb"))]
+#[pyo3(signature = (raw, network, *, bit_depth = None, phase = "rggb", black_level = None, white_level = None, display = "colour", curve = "srgb"))]
 #[allow(clippy::too_many_arguments, reason = "what a frame is")]
 pub fn words<'py>(
     py: Python<'py>,
     raw: &Bound<'py, PyAny>,
     network: &Bound<'py, PyAny>,
-    depth: Option<&Bound<'py, PyAny>>,
+    bit_depth: Option<&Bound<'py, PyAny>>,
     phase: &str,
     black_level: Option<&Bound<'py, PyAny>>,
     white_level: Option<f64>,
@@ -225,7 +226,7 @@ pub fn words<'py>(
     let golden = fixed(network)?;
     let values = golden.network().origin.values;
     let display = Display::of_values(values, word::<DisplayMode>(display)?, self::curve(curve)?);
-    let raw = frame(raw, depth, phase, black_level, white_level)?.encoded(values).into_owned();
+    let raw = frame(raw, bit_depth, phase, black_level, white_level)?.encoded(values).into_owned();
     let (boundaries, out, picture) = job::run(py, move |_| {
         let out: GoldenFrame = golden.frame(&raw)?;
         let (picture, _) = out.picture(&display);

@@ -158,7 +158,7 @@ pub struct PyCapture {
     #[pyo3(get)]
     light: Py<PyArray3<f32>>,
     #[pyo3(get)]
-    depth: u32,
+    bit_depth: u32,
     phase: CfaPhase,
     #[pyo3(get)]
     black_level: u16,
@@ -180,13 +180,13 @@ impl PyCapture {
     }
 
     fn __repr__(&self) -> String {
-        format!("Capture({} bits, {}, {} depths)", self.depth, self.phase, self.depths.len())
+        format!("Capture({} bits, {}, {} depths)", self.bit_depth, self.phase, self.depths.len())
     }
 }
 
 /// Captures a scene, or a picture at one depth.
 #[pyfunction]
-#[pyo3(name = "capture", signature = (scene, camera, psi = None, *, depth = None, phase = "rggb", noise = None, seed = None, black_level = None,
+#[pyo3(name = "capture", signature = (scene, camera, psi = None, *, bit_depth = None, phase = "rggb", noise = None, seed = None, black_level = None,
     energy = 0.999, wavelength_tolerance = 0.01, depth_tolerance = 0.0, exact = false))]
 #[allow(clippy::too_many_arguments, reason = "the options of the command")]
 pub fn captured(
@@ -194,7 +194,7 @@ pub fn captured(
     scene: &Bound<'_, PyAny>,
     camera: &Bound<'_, PyAny>,
     psi: Option<f64>,
-    depth: Option<&Bound<'_, PyAny>>,
+    bit_depth: Option<&Bound<'_, PyAny>>,
     phase: &str,
     noise: Option<&Bound<'_, PyAny>>,
     seed: Option<&Bound<'_, PyAny>>,
@@ -209,7 +209,7 @@ pub fn captured(
     let approximation = Approximation { psf, depth_tolerance: if exact { 0.0 } else { depth_tolerance } };
     approximation.check().or_raise()?;
     let sensor = Sensor {
-        depth: depth.map_or(Ok(12), |v| whole(v, "depth", 8, 16))? as u32,
+        depth: bit_depth.map_or(Ok(12), |v| whole(v, "bit_depth", 8, 16))? as u32,
         phase: word(phase)?,
         noise: noise.map_or(Ok(edof_core::Noise::None), self::noise)?,
         seed: seed.map_or(Ok(0), |v| whole(v, "seed", 0, u64::MAX))?,
@@ -233,7 +233,7 @@ pub fn captured(
     Ok(PyCapture {
         raw: shot.raw.values().into_pyarray(py).unbind(),
         light: shot.light.planes.into_pyarray(py).unbind(),
-        depth: sensor.depth,
+        bit_depth: sensor.depth,
         phase: sensor.phase,
         black_level: sensor.black_level,
         depths: shot.depths,

@@ -17,8 +17,8 @@ def test_strides_of_any_sign_give_the_result_of_a_copy(network: edof.FixedNetwor
     large = np.random.default_rng(0).integers(0, 4096, (64, 96)).astype(np.uint16)
     views = [large[::-1], large[:, ::-1], large[::-2, ::-2], large[4:36, 8:56], large.T[::2], np.asfortranarray(large)]
     for view in views:
-        found = edof.reconstruct(view, network, depth=12)
-        expected = edof.reconstruct(np.ascontiguousarray(view), network, depth=12)
+        found = edof.reconstruct(view, network, bit_depth=12)
+        expected = edof.reconstruct(np.ascontiguousarray(view), network, bit_depth=12)
         assert found.tobytes() == expected.tobytes()
     colours = np.random.default_rng(1).random((32, 48, 3), np.float32)
     planes = colours.transpose(2, 0, 1)
@@ -37,10 +37,10 @@ def unaligned(array: NDArray[Any]) -> NDArray[Any]:
 
 def test_arrays_of_every_type_give_the_result_of_the_native_type(network: edof.FixedNetwork, light: NDArray[np.float32]) -> None:
     raw = np.random.default_rng(0).integers(0, 256, (32, 48)).astype(np.uint16)
-    expected = edof.reconstruct(raw, network, depth=12)
+    expected = edof.reconstruct(raw, network, bit_depth=12)
     for kind in ["u1", "<u2", ">u2", "<i2", ">i4", "i8", ">u8", "f2", "<f4", ">f8"]:
         for view in [raw.astype(kind), raw[::-1].astype(kind)[::-1], unaligned(raw.astype(kind))]:
-            assert edof.reconstruct(view, network, depth=12).tobytes() == expected.tobytes(), kind
+            assert edof.reconstruct(view, network, bit_depth=12).tobytes() == expected.tobytes(), kind
     coarse = light.astype(np.float16).astype(np.float32)
     expected = edof.encode(coarse)
     for kind in ["<f2", ">f2", "<f4", ">f4", "<f8", ">f8", "g"]:
@@ -70,11 +70,11 @@ def test_arrays_of_the_native_type_are_read_in_place() -> None:
 def test_read_only_arrays_are_read_and_results_are_writable(network: edof.FixedNetwork) -> None:
     raw = np.full((32, 48), 700, np.uint16)
     raw.flags.writeable = False
-    sharp = edof.reconstruct(raw, network, depth=12)
+    sharp = edof.reconstruct(raw, network, bit_depth=12)
     assert sharp.flags.writeable and sharp.flags.c_contiguous
-    before = edof.reconstruct(raw, network, depth=12)
+    before = edof.reconstruct(raw, network, bit_depth=12)
     sharp[...] = 0.0
-    assert edof.reconstruct(raw, network, depth=12).tobytes() == before.tobytes()
+    assert edof.reconstruct(raw, network, bit_depth=12).tobytes() == before.tobytes()
 
 
 def test_results_have_the_memory_that_rust_made(light: NDArray[np.float32]) -> None:
@@ -124,7 +124,7 @@ def test_scenes_of_layers_and_drawn_ones_are_captured() -> None:
     scene = edof.Scene.draw("chart-4", 64, 96, camera="ring-outer")
     assert scene.psi == [0.0, pytest.approx(8 / 3), pytest.approx(16 / 3), 8.0] and scene.shape == (64, 96)
     shot = edof.capture(scene, "ring-outer")
-    assert (shot.raw.shape, shot.raw.dtype, shot.depth, shot.phase) == ((64, 96), np.uint16, 12, "rggb")
+    assert (shot.raw.shape, shot.raw.dtype, shot.bit_depth, shot.phase) == ((64, 96), np.uint16, 12, "rggb")
     assert len(shot.kernels) == 4 and shot.kernels[0]["psi"] == 0.0
     sharp, matte = scene.sharp(), (scene.psi_map() > 4.0).astype(np.float32)
     layered = edof.Scene.from_layers([(sharp, None, 0.0), (sharp, matte, 6.0)])
@@ -154,7 +154,7 @@ def test_deconvolution_and_pursuits_do_what_they_are_for(light: NDArray[np.float
         minimum = edof.lasso(signals, atoms, 0.01, method=method, steps=5000, tolerance=1e-7)
         assert np.abs(minimum @ atoms.T - signals).max() < 0.1
     assert edof.ksvd(np.repeat(signals, 8, axis=0), atoms, atoms=2, rounds=2).shape == atoms.shape
-    raw = edof.capture(light, "clear", 0.0, depth=16).raw
+    raw = edof.capture(light, "clear", 0.0, bit_depth=16).raw
     for method in ["malvar", "directional"]:
         assert edof.psnr(light, edof.demosaic(raw, method=method)) > 20.0
 
@@ -163,7 +163,7 @@ def test_a_simulated_board_is_loaded_and_shows_the_golden_picture() -> None:
     design = edof.Design("tiny")
     old, new = design.random_network(1), design.random_network(2)
     raw = np.random.default_rng(5).integers(0, 4096, design.shape).astype(np.uint16)
-    with edof.Board.simulated(design, old, raw, depth=12) as board:
+    with edof.Board.simulated(design, old, raw, bit_depth=12) as board:
         assert board.get("id") == 0x45444F46 and board.bank == "a" and board.shape == design.shape
         loaded = board.load(new)
         assert (loaded["bank"], loaded["in_use"], board.bank) == ("b", "b", "b")
@@ -173,7 +173,7 @@ def test_a_simulated_board_is_loaded_and_shows_the_golden_picture() -> None:
         board.run(0.2)
         shown = board.screen()
         assert shown is not None
-        golden = edof.board_picture(raw, new, depth=12)
+        golden = edof.board_picture(raw, new, bit_depth=12)
         assert shown[0].tobytes() == golden.y_code.tobytes()
         assert shown[1][:, 0::2].tobytes() == golden.cb_code.tobytes()
         assert shown[1][:, 1::2].tobytes() == golden.cr_code.tobytes()
