@@ -3,7 +3,8 @@
 Raw frames are uint16 arrays (rows x columns) of sensor values 0 to 2^bit_depth - 1, both sides even. Pictures are float32 arrays
 (3 x rows x columns: red, green, blue) of linear light, full scale 1; planes are one of the three. Arrays may have any strides. Arrays of
 these types are read in place. Others are converted by a copy: raw frames from any integers or whole floats, pictures from float64 or
-float16, in any byte order; a number that does not fit raises EdofError. Depths are psi, the defocus parameter in radians at the camera's
+float16, in any byte order; a number that does not fit raises EdofError. A Capture may be passed as a raw frame: it states its bit depth,
+phase (else rggb), black level and camera, and arguments that contradict it are rejected. Depths are psi, the defocus parameter in radians at the camera's
 reference wavelength (docs/your-own-lens.md). Whatever cannot be used raises EdofError with the program's one line, a value of another type
 TypeError.
 """
@@ -27,6 +28,8 @@ _Light = NDArray[np.float32]
 # What is converted to them.
 _Numbers = NDArray[Union[np.integer[Any], np.floating[Any]]]
 _Floats = NDArray[np.floating[Any]]
+# A raw frame.
+_Frame = Union[Capture, _Numbers]
 
 class EdofError(ValueError):
     """Something was rejected or failed; one line says what, where, and what would have been right."""
@@ -143,7 +146,7 @@ class Scene:
 
 @final
 class Capture:
-    """A raw frame, and how it was taken."""
+    """A raw frame, and how it was taken. Functions of raw frames take it as it is."""
 
     @property
     def raw(self) -> _Raw:
@@ -164,6 +167,10 @@ class Capture:
     @property
     def black_level(self) -> int:
         """Sensor value of no light."""
+
+    @property
+    def camera(self) -> Camera:
+        """The camera that took it."""
 
     @property
     def kernels(self) -> list[dict[str, Any]]:
@@ -340,20 +347,20 @@ class Design:
     def estimate(
         self,
         network: Optional[_Fixed] = None,
-        raw: Union[_Numbers, Sequence[_Numbers], None] = None,
+        raw: Union[_Frame, Sequence[_Frame], None] = None,
         *,
         bit_depth: Optional[SupportsIndex] = None,
-        phase: str = "rggb",
+        phase: Optional[str] = None,
     ) -> dict[str, Any]:
         """Cycles per patch, frames per second and cells, as `edof estimate --json`; with a network, measured on raw frames."""
 
     def explore(
         self,
         network: _Fixed,
-        raw: Union[_Numbers, Sequence[_Numbers]],
+        raw: Union[_Frame, Sequence[_Frame]],
         *,
         bit_depth: Optional[SupportsIndex] = None,
-        phase: str = "rggb",
+        phase: Optional[str] = None,
         fps: float = 60.0,
     ) -> list[dict[str, Any]]:
         """Foldings of the network that fit an XC7K325T and that nothing beats in cycles, multipliers and block RAM; slower ones than `fps` only where
@@ -401,10 +408,10 @@ class Board:
     def simulated(
         design: _Design,
         network: _Fixed,
-        raw: _Numbers,
+        raw: _Frame,
         *,
         bit_depth: Optional[SupportsIndex] = None,
-        phase: str = "rggb",
+        phase: Optional[str] = None,
         baud: Optional[SupportsIndex] = None,
     ) -> Board:
         """A board in memory whose banks start with `network` and whose camera sends `raw` (of the design's size) again and again."""
@@ -535,26 +542,29 @@ def capture(
     deviation in units of full scale, or a word such as sensor:gain=4. The same seed gives the same noise. As `edof capture`."""
 
 def reconstruct(
-    raw: _Numbers,
+    raw: _Frame,
     network: _Net,
     *,
     bit_depth: Optional[SupportsIndex] = None,
-    phase: str = "rggb",
+    phase: Optional[str] = None,
     black_level: Union[float, Sequence[float], None] = None,
     white_level: Optional[float] = None,
+    camera: Optional[_Camera] = None,
     stride: Optional[SupportsIndex] = None,
 ) -> _Light:
     """Linear light of a raw frame: with a Network in floating point (`stride` 2, 4 or 8, default 8), with a FixedNetwork, a name or a file in the board's
-    integers (docs/contract.md, section 6, as RGB). `bit_depth`: bits, 8 to 16 (default 16). Levels are sensor values."""
+    integers (docs/contract.md, section 6, as RGB). `bit_depth`: bits, 8 to 16 (default 16). Levels are sensor values. `camera` took the frame (default: that
+    of a Capture); a network that was trained for another lens is rejected. For an array without `camera` nobody can tell."""
 
 def board_picture(
-    raw: _Numbers,
+    raw: _Frame,
     network: _Fixed,
     *,
     bit_depth: Optional[SupportsIndex] = None,
-    phase: str = "rggb",
+    phase: Optional[str] = None,
     black_level: Union[float, Sequence[float], None] = None,
     white_level: Optional[float] = None,
+    camera: Optional[_Camera] = None,
     display: str = "colour",
     curve: str = "srgb",
 ) -> BoardPicture:
@@ -562,20 +572,21 @@ def board_picture(
     luma; `curve`: srgb, linear or bt709."""
 
 def words(
-    raw: _Numbers,
+    raw: _Frame,
     network: _Fixed,
     *,
     bit_depth: Optional[SupportsIndex] = None,
-    phase: str = "rggb",
+    phase: Optional[str] = None,
     black_level: Union[float, Sequence[float], None] = None,
     white_level: Optional[float] = None,
+    camera: Optional[_Camera] = None,
     display: str = "colour",
     curve: str = "srgb",
 ) -> dict[str, NDArray[Any]]:
     """Every word at every boundary (int16: y, b1, z1, v1, ..., f, as rows of patches x columns of patches x words; luma, cb, cr) and the codes (uint8: y_code,
     cb_code, cr_code): words.npz of docs/contract.md, section 8."""
 
-def cable_pixels(raw: _Numbers, *, bit_depth: Optional[SupportsIndex] = None, phase: str = "rggb") -> NDArray[np.uint16]:
+def cable_pixels(raw: _Frame, *, bit_depth: Optional[SupportsIndex] = None, phase: Optional[str] = None) -> NDArray[np.uint16]:
     """A frame as pixels on the video cable (docs/contract.md, 1.1): the luma code low, the chroma code high; rows x columns."""
 
 def uartbone_read(address: SupportsIndex, words: SupportsIndex) -> bytes:
@@ -588,11 +599,11 @@ def uartbone_words(answer: bytes) -> list[int]:
     """The words of an answer."""
 
 def demosaic(
-    raw: _Numbers,
+    raw: _Frame,
     *,
     method: str = "malvar",
     bit_depth: Optional[SupportsIndex] = None,
-    phase: str = "rggb",
+    phase: Optional[str] = None,
     black_level: Union[float, Sequence[float], None] = None,
     white_level: Optional[float] = None,
 ) -> _Light:

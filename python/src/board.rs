@@ -4,7 +4,8 @@ use crate::arguments::{name, size};
 use crate::design::{PyDesign, design};
 use crate::error::{OrRaise, failed};
 use crate::json;
-use crate::reconstruct::{fixed, frame};
+use crate::reconstruct::fixed;
+use crate::shot;
 use edof::presets::{designs, weights};
 use edof_board::load::Job;
 use edof_board::names::Place;
@@ -176,14 +177,14 @@ impl PyBoard {
     }
 
     #[staticmethod]
-    #[pyo3(signature = (design, network, raw, *, bit_depth = None, phase = "rggb", baud = None))]
+    #[pyo3(signature = (design, network, raw, *, bit_depth = None, phase = None, baud = None))]
     fn simulated(
         py: Python<'_>,
         design: &Bound<'_, PyAny>,
         network: &Bound<'_, PyAny>,
         raw: &Bound<'_, PyAny>,
         bit_depth: Option<&Bound<'_, PyAny>>,
-        phase: &str,
+        phase: Option<&str>,
         baud: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let (design, golden) = (self::design(design)?, fixed(network)?);

@@ -1,10 +1,11 @@
 //! Scenes, and what a camera makes of them.
 
 use crate::arguments::{PLANE, finite, noise, number, owned, picture, size, whole, word};
-use crate::camera::camera;
+use crate::camera::{PyCamera, camera};
 use crate::error::{OrRaise, failed, wrong_type};
 use crate::{job, json, optics};
-use edof_core::{CfaPhase, ColourFrame};
+use edof_core::ColourFrame;
+use edof_core::camera::Camera;
 use edof_optics::Sensor;
 use edof_optics::capture::{self, Approximation};
 use edof_optics::draw::{four_depths, parse_name};
@@ -153,15 +154,12 @@ fn covered(mut light: ColourFrame, matte: Option<&Array2<f32>>) -> ColourFrame {
 pub struct PyCapture {
     /// Sensor values, rows × columns.
     #[pyo3(get)]
-    raw: Py<PyArray2<u16>>,
+    pub raw: Py<PyArray2<u16>>,
     /// Light on the sensor.
     #[pyo3(get)]
     light: Py<PyArray3<f32>>,
-    #[pyo3(get)]
-    bit_depth: u32,
-    phase: CfaPhase,
-    #[pyo3(get)]
-    black_level: u16,
+    pub sensor: Sensor,
+    pub camera: Arc<Camera>,
     depths: Vec<capture::Depth>,
     #[pyo3(get)]
     seconds: f64,
@@ -170,8 +168,23 @@ pub struct PyCapture {
 #[pymethods]
 impl PyCapture {
     #[getter]
+    fn bit_depth(&self) -> u32 {
+        self.sensor.depth
+    }
+
+    #[getter]
     fn phase(&self) -> String {
-        self.phase.to_string()
+        self.sensor.phase.to_string()
+    }
+
+    #[getter]
+    fn black_level(&self) -> u16 {
+        self.sensor.black_level
+    }
+
+    #[getter]
+    fn camera(&self) -> PyCamera {
+        PyCamera(Arc::clone(&self.camera))
     }
 
     #[getter]
@@ -180,7 +193,8 @@ impl PyCapture {
     }
 
     fn __repr__(&self) -> String {
-        format!("Capture({} bits, {}, {} depths)", self.bit_depth, self.phase, self.depths.len())
+        let (Sensor { depth, phase, .. }, depths) = (&self.sensor, self.depths.len());
+        format!("Capture({}, {depth} bits, {phase}, {depths} depths)", self.camera.name)
     }
 }
 
@@ -227,15 +241,14 @@ pub fn captured(
             return Err(failed("psi: expected a number, the depth of the picture; or pass a Scene"));
         }
     };
-    let taken = sensor.clone();
-    let work = move |_: &_| capture::capture(&scene, &camera, &taken, &approximation);
+    let (lens, taken) = (Arc::clone(&camera), sensor.clone());
+    let work = move |_: &_| capture::capture(&scene, &lens, &taken, &approximation);
     let shot = job::run(py, work)?.or_raise()?;
     Ok(PyCapture {
         raw: shot.raw.values().into_pyarray(py).unbind(),
         light: shot.light.planes.into_pyarray(py).unbind(),
-        bit_depth: sensor.depth,
-        phase: sensor.phase,
-        black_level: sensor.black_level,
+        sensor,
+        camera,
         depths: shot.depths,
         seconds: shot.seconds,
     })

@@ -2,9 +2,12 @@
 
 import os
 import signal
+import subprocess
 import threading
 import time
 import tracemalloc
+from pathlib import Path
+from typing import Any, Union
 
 import numpy as np
 import pytest
@@ -129,6 +132,60 @@ def test_scenes_of_layers_and_drawn_ones_are_captured() -> None:
     sharp, matte = scene.sharp(), (scene.psi_map() > 4.0).astype(np.float32)
     layered = edof.Scene.from_layers([(sharp, None, 0.0), (sharp, matte, 6.0)])
     assert edof.capture(layered, "ring-outer").raw.shape == (64, 96)
+
+
+def test_a_capture_as_a_raw_frame_states_how_it_was_taken(network: edof.FixedNetwork, light: NDArray[np.float32]) -> None:
+    shot = edof.capture(light, "ring-outer", 6.0, bit_depth=10, phase="gbrg", black_level=32)
+    assert (shot.bit_depth, shot.phase, shot.black_level, shot.camera.name) == (10, "gbrg", 32, "ring-outer")
+    assert repr(shot) == "Capture(ring-outer, 10 bits, gbrg, 1 depths)"
+    stated = {"bit_depth": 10, "phase": "gbrg", "black_level": 32, "camera": "ring-outer"}
+    for call in [edof.reconstruct, edof.board_picture, edof.words]:
+        found, expected, agreed = call(shot, network), call(shot.raw, network, **stated), call(shot, network, **stated)
+        for value in [found, agreed]:
+            if isinstance(value, dict):
+                assert all(value[name].tobytes() == words.tobytes() for name, words in expected.items())
+            else:
+                assert pixels(value).tobytes() == pixels(expected).tobytes()
+    tiny = edof.Design("tiny")
+    flat = np.full((3, *tiny.shape), 0.5, np.float32)
+    shots = [edof.capture(flat, "ring-outer", psi, bit_depth=12) for psi in (0.0, 8.0)]
+    measured = tiny.estimate(tiny.random_network(1), shots)
+    assert measured == tiny.estimate(tiny.random_network(1), [shot.raw for shot in shots], bit_depth=12)
+    assert measured == tiny.estimate(tiny.random_network(1), shots, bit_depth=12)
+
+
+def pixels(made: Union[NDArray[np.float32], edof.BoardPicture]) -> NDArray[Any]:
+    """All numbers of a picture or of the board's."""
+    return made.yuyv() if isinstance(made, edof.BoardPicture) else made
+
+
+@pytest.mark.parametrize("kind", [edof.Network, edof.FixedNetwork])
+def test_a_network_for_another_lens_is_refused_with_the_words_of_the_shell(
+    program: Path, tmp_path: Path, picture: NDArray[np.float32], kind: type[Union[edof.Network, edof.FixedNetwork]]
+) -> None:
+    edof.save_picture(tmp_path / "photo.png", picture, curve="linear")
+    words = "capture photo.png --camera ring-2018 --psi 4 --out raw.png -q".split()
+    subprocess.run([program, *words], cwd=tmp_path, check=True)
+    words = "reconstruct raw.png --weights edof-t4w12-outer-light --out no.png".split()
+    shell = subprocess.run([program, *words], cwd=tmp_path, capture_output=True, text=True).stderr
+    both = " trained for the camera ring-outer, but raw{} was taken by ring-2018, another lens or mask (they differ in mask)"
+    assert both.format(".png") in shell
+    network = kind.load("edof-t4w12-outer-light")
+    light = edof.decode(edof.load_picture(tmp_path / "photo.png"))
+    shot = edof.capture(light, "ring-2018", 4.0)
+    calls = [edof.reconstruct] if kind is edof.Network else [edof.reconstruct, edof.board_picture, edof.words]
+    for call in calls:
+        with pytest.raises(edof.EdofError) as caught:
+            call(shot, network)
+        assert str(caught.value).startswith("network edof-t4w12-outer-light:" + both.format("") + "; use network edof-t4w12")
+        with pytest.raises(edof.EdofError, match="but camera is ring-2018, another lens or mask"):
+            call(shot.raw, network, bit_depth=12, camera="ring-2018")
+        with pytest.raises(edof.EdofError, match="^camera clear: the capture states ring-2018 .they differ in mask.; leave camera out$"):
+            call(shot, network, camera="clear")
+        call(shot.raw, network, bit_depth=12)
+    renamed = edof.Camera.from_json(network.camera.json().replace('"ring-outer"', '"mine"'))
+    assert renamed.name == "mine"
+    edof.reconstruct(edof.capture(light, renamed, 4.0), network)
 
 
 def test_deconvolution_and_pursuits_do_what_they_are_for(light: NDArray[np.float32]) -> None:

@@ -21,6 +21,7 @@ ATOMS = np.eye(6, dtype=np.float32)
 NET = edof.FixedNetwork.load("edof-t4w12-outer-light")
 FLOAT = edof.Network.load("edof-t4w12-outer-light")
 CAMERA = edof.Camera("ring-outer")
+SHOT = edof.capture(LIGHT, CAMERA, 1.0)
 TINY = edof.Design("tiny")
 SMALL = TINY.random_network(1)
 
@@ -189,6 +190,10 @@ def cases() -> list[Case]:
         ("reconstruct unknown", lambda: edof.reconstruct(RAW, "nothing"), ERROR, "weights 'nothing': no such file"),
         ("reconstruct stride 3", lambda: edof.reconstruct(RAW, FLOAT, stride=3), ERROR, "stride 3: must be 2, 4 or 8"),
         ("reconstruct other stride", lambda: edof.reconstruct(RAW, NET, stride=2), ERROR, "stride 2: the network is quantized for a stride of 8"),
+        ("reconstruct bit depth of a capture", lambda: edof.reconstruct(SHOT, NET, bit_depth=10), ERROR, "bit_depth 10: the capture states 12; leave bit_depth out"),
+        ("reconstruct phase of a capture", lambda: edof.reconstruct(SHOT, NET, phase="bggr"), ERROR, "phase bggr: the capture states rggb; leave phase out"),
+        ("reconstruct black of a capture", lambda: edof.reconstruct(SHOT, NET, black_level=64), ERROR, "black_level 64: the capture states 0; leave black_level out"),
+        ("reconstruct camera", lambda: edof.reconstruct(RAW, NET, camera="nothing"), ERROR, "nothing"),
         ("reconstruct tiny frame", lambda: edof.reconstruct(RAW[:2, :2], NET), ERROR, "2x2"),
         ("reconstruct black", lambda: edof.reconstruct(RAW, NET, black_level=-1.0), ERROR, "black level '-1'"),
         ("reconstruct black NaN", lambda: edof.reconstruct(RAW, NET, black_level=float("nan")), ERROR, "black level"),
