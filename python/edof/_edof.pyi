@@ -39,10 +39,10 @@ class Camera:
     """A lens, its phase mask and a sensor (crate edof_core::camera).
 
     `Camera("ring-outer")`: a preset. `Camera("mine.json", psf_bank="measured.npz")`: a JSON file, with measured PSFs in place of computed
-    ones. Fields are described in docs/your-own-lens.md.
+    ones; `centre` shifts them by one displacement so that the mean of their centroids is the middle pixel. Fields are described in docs/your-own-lens.md.
     """
 
-    def __new__(cls, name_or_path: Optional[_Path] = None, *, psf_bank: Optional[_Path] = None) -> Camera: ...
+    def __new__(cls, name_or_path: Optional[_Path] = None, *, psf_bank: Optional[_Path] = None, centre: bool = False) -> Camera: ...
     @staticmethod
     def presets() -> list[str]:
         """Names of the cameras that come with edof."""

@@ -8,6 +8,7 @@
 //! | no output replaces an input or another output | [`files`] |
 //! | Ctrl-C | [`interrupt`] |
 //! | as many threads as the system lets start | [`threads`] |
+//! | what a PSF bank does to a picture | [`psf_bank`] |
 //! | photographs, of even sides | [`pictures`] |
 //! | what is written about a run into its results | [`provenance`] |
 //! | the whole core in simulation, and the demo's board | [`cosim_system`], [`demo_board`] |
@@ -39,6 +40,7 @@ mod limits;
 mod pages;
 mod pictures;
 mod provenance;
+mod psf_bank;
 mod said;
 mod threads;
 mod ui;

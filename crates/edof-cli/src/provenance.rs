@@ -123,7 +123,15 @@ impl CommandLine {
         self
     }
 
-    /// The same where there is a value.
+    /// Adds `--name` where it was given.
+    pub fn flag_if(&mut self, name: &str, is_given: bool) -> &mut Self {
+        if is_given {
+            self.0 += &format!(" --{name}");
+        }
+        self
+    }
+
+    /// Adds `--name value` where there is a value.
     pub fn option_if(&mut self, name: &str, value: Option<impl std::fmt::Display>) -> &mut Self {
         if let Some(value) = value {
             self.option(name, value);
