@@ -11,7 +11,7 @@ const EVERYWHERE: [Group; 5] = [
     ("Connection to the board", "port baud timeout design"),
     ("Photographs", "images photos"),
     ("Rows of the study", "rows shard any-revision"),
-    ("Files to write", "markdown report csv plot junit waveform cameras out force"),
+    ("Files to write", "markdown latex report csv plot junit waveform cameras out force"),
     ("Results and progress", "json quiet progress help"),
 ];
 

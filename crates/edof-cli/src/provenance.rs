@@ -8,9 +8,9 @@ use edof_core::storage::provenance::{Host, Provenance};
 use edof_study::journal::{Program, UNKNOWN};
 
 /// Options that no byte of a result depends on: paths of files, amount of output, number of threads.
-const NOT_IN_RESULTS: [&str; 20] = [
+const NOT_IN_RESULTS: [&str; 21] = [
     "progress", "no_cache", "json", "quiet", "out", "images", "report", "sharp", "light", "resume",
-    "threads", "waveform", "junit", "words", "rows", "markdown", "csv", "shard", "plot", "force",
+    "threads", "waveform", "junit", "words", "rows", "markdown", "latex", "csv", "shard", "plot", "force",
 ];
 
 /// The record of this run, as far as it is known before the work begins.
