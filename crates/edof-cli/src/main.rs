@@ -137,7 +137,7 @@ enum Command {
     Cosim(commands::cosim::Args),
     Design(commands::design::Args),
     Estimate(commands::estimate::Args),
-    Explore(commands::explore::Args),
+    Explore(commands::explore::Task),
     Generate(commands::generate::Args),
     RandomNetwork(commands::random_network::Args),
     Timing(commands::timing::Args),
