@@ -123,6 +123,16 @@ def test_cameras_can_be_changed(light: NDArray[np.float32]) -> None:
     assert metres is not None and camera.psi_at(metres, nominal_m=10.0) == pytest.approx(4.0)
 
 
+def test_a_bank_beside_its_middle_is_shifted_back(tmp_path: Path) -> None:
+    psf = np.zeros((2, 3, 23, 24))
+    psf[:, :, 9, 15] = 1.0
+    np.savez(tmp_path / "lens.npz", psi=[0.0, 1.0], psf=psf)
+    sides = [edof.psf(edof.Camera("clear", psf_bank=tmp_path / "lens.npz", centre=centre), 0.0)[1].shape for centre in (False, True)]
+    assert sides == [(7, 7), (1, 1)]
+    with pytest.raises(edof.EdofError, match="centre: shifts a PSF bank"):
+        edof.Camera("clear", centre=True)
+
+
 def test_scenes_of_layers_and_drawn_ones_are_captured() -> None:
     scene = edof.Scene.draw("chart-4", 64, 96, camera="ring-outer")
     assert scene.psi == [0.0, pytest.approx(8 / 3), pytest.approx(16 / 3), 8.0] and scene.shape == (64, 96)
