@@ -239,6 +239,44 @@ fn several_frames_become_pictures_of_their_names_in_a_folder() {
 }
 
 #[test]
+fn a_captured_frame_without_a_header_is_read_by_its_record() {
+    let place = Place::new();
+    place.photo("photo.png", 64, 48);
+    let picture = |raw: &str| {
+        let taken = "--psi 2 --phase gbrg --black-level 64 --bit-depth 10 --noise 0.01";
+        place.edof(&format!("capture photo.png {taken} --out {raw}")).done();
+        place.edof(&format!("reconstruct {raw} --out {raw}.sharp.png")).done();
+        std::fs::read(place.path(&format!("{raw}.sharp.png"))).unwrap()
+    };
+    let [plain, with_header] = ["f.raw", "f.png"].map(picture);
+    assert!(plain == with_header);
+    let refused = |options: &str, words: &str| {
+        place.edof(&format!("reconstruct f.raw {options} --out no.png")).refused(&[words]);
+    };
+    refused("--size 48x64", "--size 48x64: f.raw.json says 64x48; leave --size out");
+    refused("--size 64x48 --packing 12p", "--packing 12p: f.raw.json says words; leave --packing out");
+    refused("--bit-depth 12", "--bit-depth 12: f.raw.json says 10; leave --bit-depth out");
+}
+
+#[test]
+fn out_means_the_same_for_one_frame_as_for_many() {
+    let place = Place::new();
+    place.fixed_network("net.safetensors");
+    ["a.pgm", "b.pgm"].iter().for_each(|name| flat(&place, name, 700));
+    for (frames, out) in [("a.pgm", "one"), ("a.pgm b.pgm", "two")] {
+        place.edof(&format!("reconstruct {frames} --weights net.safetensors --out {out}")).done();
+        assert!(place.path(&format!("{out}/a.png")).is_file(), "{out}");
+    }
+    let same = ["one/a.png", "two/a.png"].map(|file| std::fs::read(place.path(file)).unwrap());
+    assert!(same[0] == same[1]);
+    // An ending that no picture has is a mistake in both.
+    place.edof("reconstruct a.pgm --weights net.safetensors --out x.pgn").refused(&["x.pgn: unknown ending"]);
+    place
+        .edof("reconstruct a.pgm b.pgm --weights net.safetensors --out x.pgn")
+        .refused(&["--out x.pgn: 2 frames need a folder"]);
+}
+
+#[test]
 fn several_frames_want_a_folder_and_names_of_their_own() {
     let place = Place::new();
     place.fixed_network("net.safetensors");

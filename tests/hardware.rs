@@ -89,6 +89,51 @@ fn foldings_of_a_network_are_reported_that_nothing_beats() {
 }
 
 #[test]
+fn an_explored_folding_is_written_as_a_design_that_its_network_fits() {
+    let place = Place::new();
+    place.photo("photo.png", 64, 48);
+    let line = "explore --weights edof-t4w12-outer --photo photo.png --psi 4";
+    let run = place.edof(&format!("{line} --fps 20 --out mine.json --json")).done();
+    let report: Value = serde_json::from_str(&run.out).unwrap();
+    let design: Value = serde_json::from_slice(&std::fs::read(place.path("mine.json")).unwrap()).unwrap();
+    let stages = design["stages"].as_array().unwrap();
+    let words: Vec<String> =
+        stages.iter().map(|stage| format!("{}x{}", stage["lanes"], stage["rows"])).collect();
+    assert_eq!(
+        (design["name"].as_str(), report["front"][0]["stages"].as_str()),
+        (Some("mine"), Some(&*words.join(" ")))
+    );
+    place.edof("design check mine.json --weights edof-t4w12-outer").done();
+    let fast = format!("{line} --fps 1e6 --out none.json");
+    place
+        .edof(&fast)
+        .refused(&["--out none.json: no folding reaches --fps 1000000, so no design is written"]);
+    assert!(!place.path("none.json").exists());
+}
+
+#[test]
+fn a_design_for_a_rate_has_the_fewest_multipliers_that_reach_it() {
+    let place = Place::new();
+    let made = |options: &str| {
+        let line = "design new --form w8,t3,c64 --size 1280x720 --clock-mhz 150 --out made.json --json";
+        let report: Value =
+            serde_json::from_str(&place.edof(&format!("{line} {options}")).done().out).unwrap();
+        let promise = &report["promise"];
+        let figure = |value: &Value| value.as_f64().unwrap();
+        (figure(&promise["frames_per_second"]), figure(&promise["resources"]["dsp48e1"]))
+    };
+    let ((fastest, most), (enough, few)) = (made(""), made("--fps 30"));
+    assert!(fastest > enough && enough >= 30.0 && most > few, "{fastest} {most} {enough} {few}");
+    let (slower, _) = made(&format!("--multipliers {}", few - 1.0));
+    assert!(slower < 30.0, "{slower} frames per second with fewer multipliers");
+    let line = "design new --form w8,t3,c64 --out none.json --multipliers 200";
+    place
+        .edof(&format!("{line} --fps 1e6"))
+        .refused(&["--fps 1000000: the fastest folding with at most 200 multipliers makes"]);
+    place.edof(&format!("{line} --fps=-1")).refused(&["--fps -1: must be more than 0"]);
+}
+
+#[test]
 fn a_generated_design_is_whole_and_the_same_every_time() {
     let place = Place::new();
     place.edof("generate --design paper --weights paper-t4 --out one").done();
@@ -304,7 +349,7 @@ fn co_simulation_loads_both_banks() {
     let place = Place::new();
     place.edof("random-network --design tiny --out drawn.fixed.safetensors").done();
     place.edof("generate --design tiny --weights drawn.fixed.safetensors --out built").done();
-    let line = "cosim --design tiny --weights drawn.fixed.safetensors --random 20 --rtl built/rtl --waveform fault --force";
+    let line = "cosim --design tiny --weights drawn.fixed.safetensors --random 20 --rtl built --waveform fault --force";
     let out = place.edof(line).done().out;
     assert!(out.contains("tiny: both banks loaded with ") && out.contains(" patches, "), "{out}");
 
@@ -329,7 +374,7 @@ fn a_folder_without_the_calculator_is_rejected() {
     std::fs::create_dir(place.path("empty")).unwrap();
     place
         .edof("cosim --design tiny --random 5 --rtl empty")
-        .refused(&["--rtl empty: has no chain.v", "expected the folder rtl"]);
+        .refused(&["--rtl empty: has no chain.v", "or rtl in it"]);
     place.write("empty/chain.v", "module chain (input wire clock_i);\nendmodule\n");
     place.edof("cosim --design tiny --random 5 --rtl empty").refused(&["empty/chain.v: has no port reset_i"]);
     place.edof("cosim --system --design tiny --rtl empty").refused(&["--rtl empty: has no edof_core.v"]);

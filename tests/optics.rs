@@ -189,6 +189,97 @@ fn a_bank_that_was_exported_gives_the_same_frame() {
     assert!(sensor.slice(s![.., .., .., 0]).iter().all(|v| (v - 1.0).abs() < 1e-5));
 }
 
+/// A bank whose kernels are one pixel each, three to the right and two above the middle, with some light on the edge at the second depth.
+fn displaced() -> Array4<f64> {
+    Array4::from_shape_fn((2, 3, 23, 24), |(depth, _, row, column)| match (row, column) {
+        (9, 15) => {
+            if depth == 0 {
+                1.0
+            } else {
+                0.75
+            }
+        }
+        (9, 23) if depth == 1 => 0.25,
+        _ => 0.0,
+    })
+}
+
+#[test]
+fn a_displaced_bank_is_listed_and_shifted_back() {
+    let place = Place::new();
+    place.photo("photo.png", 64, 48);
+    save_bank(&place, "lens.npz", &[0.0, 4.0], &displaced());
+    let run = place.edof("optics clear --psf-bank lens.npz --psi 0 --out shown").done();
+    // Of 23 rows the middle is row 11, of 24 columns column 12.
+    assert!(
+        run.out.contains(
+            "  psi  0.00: red 3.00 right, 2.00 up, 0.00 %; green 3.00 right, 2.00 up, 0.00 %; blue"
+        ),
+        "{}",
+        run.out
+    );
+    assert!(run.out.contains("  psi  4.00: red 5.00 right, 2.00 up, 25.00 %;"), "{}", run.out);
+    for note in [
+        "lens.npz: moves the picture by 4.00 right, 2.00 up on average; --centre",
+        "up to 25.00 % of a kernel's light",
+    ] {
+        assert!(run.err.contains(note), "{}", run.err);
+    }
+    let line = "capture photo.png --camera clear --psi 0 --black-level 0 --phase rggb";
+    let raw = |options: &str, out: &str| {
+        let run = place.edof(&format!("{line} {options} --out {out}")).done();
+        (raw::load(&place.path(out), &RawOptions::default()).unwrap().values(), run)
+    };
+    let (moved, run) = raw("--psf-bank lens.npz", "moved.png");
+    assert!(run.out.contains("from the PSF bank, centroid 3.00 right, 2.00 up"), "{}", run.out);
+    // By 4 and 2 pixels back: kernels of depth 0 are one pixel to the left of the middle.
+    let (back, run) = raw("--psf-bank lens.npz --centre", "back.png");
+    assert!(
+        run.out.contains("centroid 1.00 left, 0.00 down") && !run.err.contains("moves the picture"),
+        "{}{}",
+        run.out,
+        run.err
+    );
+    let same = |a: &u16, b: &u16| a.abs_diff(*b) <= 1;
+    let (moved, shifted) = (moved.slice(s![8..40, 8..48]), back.slice(s![10..42, 4..44]));
+    assert!(moved.iter().zip(&shifted).all(|(a, b)| same(a, b)), "{moved} {shifted}");
+    assert!(moved.iter().max().unwrap() - moved.iter().min().unwrap() > 1000, "a picture");
+    let record = json(&std::fs::read_to_string(place.path("back.png.json")).unwrap());
+    assert_eq!(record["camera"]["psf_bank"]["centre"], true);
+    let reconstruct =
+        "reconstruct back.png --weights edof-t4w12-clear-light --force --camera clear --psf-bank lens.npz";
+    place.edof(&format!("{reconstruct} --centre --out a.png")).done();
+    let camera = include_str!("../cameras/clear.json");
+    place.write(
+        "mine.json",
+        camera.replacen('{', "{\"psf_bank\": {\"file\": \"lens.npz\", \"centre\": true},", 1),
+    );
+    let line = "capture photo.png --camera mine.json --psi 0 --out own.png";
+    place.edof(line).done();
+    assert_eq!(raw::load(&place.path("own.png"), &RawOptions::default()).unwrap().values(), back);
+    assert_eq!(
+        place.edof("capture photo.png --psi 0 --centre --out no.png").code,
+        Some(2),
+        "a bank to centre"
+    );
+}
+
+/// NumPy's `save` writes one array a file.
+#[test]
+fn a_bank_without_depths_says_that_psi_is_missing() {
+    let place = Place::new();
+    for (file, words) in [
+        ("x.npy", "name it x-psf.npy and put the depths into x-psi.npy beside it"),
+        ("x-psf.npy", "put the depths into x-psi.npy beside it"),
+    ] {
+        ndarray_npy::write_npy(place.path(file), &displaced()).unwrap();
+        let said = format!("{file}: no PSF bank: psi is missing: an NPY file contains one array; {words}");
+        place.edof(&format!("optics --psf-bank {file} --out shown")).refused(&[&said]);
+    }
+    ndarray_npy::write_npy(place.path("x-psi.npy"), &ndarray::aview1(&[0.0, 4.0])).unwrap();
+    place.edof("optics --psf-bank x-psf.npy --out shown").done();
+}
+
 #[test]
 fn a_lens_with_coma_is_seen_trained_for_and_reconstructed() {
     let place = Place::new();

@@ -129,7 +129,18 @@ fn the_main_experiment_keeps_rows_resumes_and_is_shared_out() {
     for part in ["\"revision\":", "\"compiler\":\"rustc ", "\"isa\":", "\"threads\":"] {
         assert!(whole.lines().next().unwrap().contains(part), "{whole}");
     }
-    place.edof(&format!("{line} --rows whole")).done();
+    place.edof(&format!("{line} --rows whole --latex whole.tex")).done();
+    let latex = std::fs::read_to_string(place.path("whole.tex")).unwrap();
+    assert!(
+        latex.starts_with("% Made by `edof study kodak") && latex.contains("\\begin{tabular}{llrr}"),
+        "{latex}"
+    );
+    assert!(
+        latex.contains("& $\\psi = 2$ & average \\\\\n")
+            && latex.contains("demosaic-malvar & ")
+            && latex.contains("$\\infty$"),
+        "{latex}"
+    );
     assert_eq!(std::fs::read_to_string(place.path("whole")).unwrap(), whole, "nothing is measured twice");
     // The page names the very command, which makes it again.
     let page = std::fs::read_to_string(place.path("whole.md")).unwrap();

@@ -1,9 +1,12 @@
 """What every class and function takes and gives.
 
-Raw frames are uint16 arrays (rows x columns) of sensor values 0 to 2^depth - 1, both sides even. Pictures are float32 arrays
-(3 x rows x columns: red, green, blue) of linear light, full scale 1; planes are one of the three. Arrays may have any strides. Depths are
-psi, the defocus parameter in radians at the camera's reference wavelength (docs/your-own-lens.md). Whatever cannot be used raises
-EdofError with the program's one line, a value of another type TypeError.
+Raw frames are uint16 arrays (rows x columns) of sensor values 0 to 2^bit_depth - 1, both sides even. Pictures are float32 arrays
+(3 x rows x columns: red, green, blue) of linear light, full scale 1; planes are one of the three. Arrays may have any strides. Arrays of
+these types are read in place. Others are converted by a copy: raw frames from any integers or whole floats, pictures from float64 or
+float16, in any byte order; a number that does not fit raises EdofError. A Capture may be passed as a raw frame: it states its bit depth,
+phase (else rggb), black level and camera, and arguments that contradict it are rejected. Depths are psi, the defocus parameter in radians at the camera's
+reference wavelength (docs/your-own-lens.md). Whatever cannot be used raises EdofError with the program's one line, a value of another type
+TypeError.
 """
 
 from os import PathLike
@@ -22,6 +25,11 @@ _Net = Union[Network, FixedNetwork, _Path]
 _Fixed = Union[FixedNetwork, _Path]
 _Raw = NDArray[np.uint16]
 _Light = NDArray[np.float32]
+# What is converted to them.
+_Numbers = NDArray[Union[np.integer[Any], np.floating[Any]]]
+_Floats = NDArray[np.floating[Any]]
+# A raw frame.
+_Frame = Union[Capture, _Numbers]
 
 class EdofError(ValueError):
     """Something was rejected or failed; one line says what, where, and what would have been right."""
@@ -31,10 +39,10 @@ class Camera:
     """A lens, its phase mask and a sensor (crate edof_core::camera).
 
     `Camera("ring-outer")`: a preset. `Camera("mine.json", psf_bank="measured.npz")`: a JSON file, with measured PSFs in place of computed
-    ones. Fields are described in docs/your-own-lens.md.
+    ones; `centre` shifts them by one displacement so that the mean of their centroids is the middle pixel. Fields are described in docs/your-own-lens.md.
     """
 
-    def __new__(cls, name_or_path: Optional[_Path] = None, *, psf_bank: Optional[_Path] = None) -> Camera: ...
+    def __new__(cls, name_or_path: Optional[_Path] = None, *, psf_bank: Optional[_Path] = None, centre: bool = False) -> Camera: ...
     @staticmethod
     def presets() -> list[str]:
         """Names of the cameras that come with edof."""
@@ -46,7 +54,7 @@ class Camera:
     def json(self) -> str:
         """JSON text that `from_json` reads back."""
 
-    def with_psfs(self, psi: NDArray[np.float64], psf: NDArray[np.float32], *, name: str = "array") -> Camera:
+    def with_psfs(self, psi: _Numbers, psf: _Floats, *, name: str = "array") -> Camera:
         """The camera with a PSF bank: psi ascending (depths), psf (depths x 3 x rows x columns), 0 or more, each scaled to sum 1."""
 
     def with_height_map(
@@ -99,15 +107,15 @@ class Scene:
     """Layers of light at depths, from back to front (edof_optics::scene)."""
 
     @staticmethod
-    def flat(light: _Light, psi: float) -> Scene:
+    def flat(light: _Floats, psi: float) -> Scene:
         """A picture at one depth."""
 
     @staticmethod
-    def from_depths(light: _Light, psi: NDArray[np.float32], *, layers: Optional[SupportsIndex] = None) -> Scene:
+    def from_depths(light: _Floats, psi: _Floats, *, layers: Optional[SupportsIndex] = None) -> Scene:
         """A picture whose pixels lie at `psi` (rows x columns), cut into at most `layers` (1 to 64, default 16); nearer things have larger psi."""
 
     @staticmethod
-    def from_layers(layers: Sequence[tuple[_Light, Optional[NDArray[np.float32]], float]]) -> Scene:
+    def from_layers(layers: Sequence[tuple[_Floats, Optional[_Floats], float]]) -> Scene:
         """Layers (light, matte, psi), the background, whose matte is None, first. Mattes (rows x columns) are 0 to 1; light is multiplied by them."""
 
     @staticmethod
@@ -138,7 +146,7 @@ class Scene:
 
 @final
 class Capture:
-    """A raw frame, and how it was taken."""
+    """A raw frame, and how it was taken. Functions of raw frames take it as it is."""
 
     @property
     def raw(self) -> _Raw:
@@ -149,7 +157,7 @@ class Capture:
         """The light on the sensor before its colour filters."""
 
     @property
-    def depth(self) -> int:
+    def bit_depth(self) -> int:
         """Bits of the sensor."""
 
     @property
@@ -159,6 +167,10 @@ class Capture:
     @property
     def black_level(self) -> int:
         """Sensor value of no light."""
+
+    @property
+    def camera(self) -> Camera:
+        """The camera that took it."""
 
     @property
     def kernels(self) -> list[dict[str, Any]]:
@@ -196,7 +208,7 @@ class Network:
         """analysis (codes x pixels), thresholds (layers - 1 x codes), recurrent (matrices x codes x codes), dictionary (192 x codes), linear_path
         (192 x pixels); the last and recurrent only where the form has them."""
 
-    def forward(self, windows: NDArray[np.float32]) -> NDArray[np.float32]:
+    def forward(self, windows: _Floats) -> NDArray[np.float32]:
         """Windows (count x pixels, row by row, 0 to 1) to patches (count x 192: red, green, blue, each 8x8): light, or encoded light (`values`)."""
 
     def save(self, path: _Path) -> None:
@@ -204,7 +216,7 @@ class Network:
 
     def quantize(
         self,
-        pictures: Optional[Sequence[_Light]] = None,
+        pictures: Optional[Sequence[_Floats]] = None,
         *,
         bits: Optional[SupportsIndex] = None,
         stride: Optional[SupportsIndex] = None,
@@ -335,20 +347,20 @@ class Design:
     def estimate(
         self,
         network: Optional[_Fixed] = None,
-        raw: Union[_Raw, Sequence[_Raw], None] = None,
+        raw: Union[_Frame, Sequence[_Frame], None] = None,
         *,
-        depth: Optional[SupportsIndex] = None,
-        phase: str = "rggb",
+        bit_depth: Optional[SupportsIndex] = None,
+        phase: Optional[str] = None,
     ) -> dict[str, Any]:
         """Cycles per patch, frames per second and cells, as `edof estimate --json`; with a network, measured on raw frames."""
 
     def explore(
         self,
         network: _Fixed,
-        raw: Union[_Raw, Sequence[_Raw]],
+        raw: Union[_Frame, Sequence[_Frame]],
         *,
-        depth: Optional[SupportsIndex] = None,
-        phase: str = "rggb",
+        bit_depth: Optional[SupportsIndex] = None,
+        phase: Optional[str] = None,
         fps: float = 60.0,
     ) -> list[dict[str, Any]]:
         """Foldings of the network that fit an XC7K325T and that nothing beats in cycles, multipliers and block RAM; slower ones than `fps` only where
@@ -360,7 +372,7 @@ class Design:
     def cycles(
         self,
         network: _Fixed,
-        windows: NDArray[np.int16],
+        windows: _Numbers,
         *,
         seed: Optional[SupportsIndex] = None,
         stalled: Optional[SupportsIndex] = None,
@@ -396,10 +408,10 @@ class Board:
     def simulated(
         design: _Design,
         network: _Fixed,
-        raw: _Raw,
+        raw: _Frame,
         *,
-        depth: Optional[SupportsIndex] = None,
-        phase: str = "rggb",
+        bit_depth: Optional[SupportsIndex] = None,
+        phase: Optional[str] = None,
         baud: Optional[SupportsIndex] = None,
     ) -> Board:
         """A board in memory whose banks start with `network` and whose camera sends `raw` (of the design's size) again and again."""
@@ -480,7 +492,7 @@ def otf(
     psi: float,
     channel: str = "green",
     *,
-    cycles_per_mm: Optional[NDArray[np.float64]] = None,
+    cycles_per_mm: Optional[_Numbers] = None,
     pixel: bool = False,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Frequencies in cycles per millimetre (default: the samples of the computation) and contrast along a row, -1 to 1, of the lens alone or with
@@ -491,32 +503,32 @@ def mtf(
     psi: float,
     channel: str = "green",
     *,
-    cycles_per_mm: Optional[NDArray[np.float64]] = None,
+    cycles_per_mm: Optional[_Numbers] = None,
     pixel: bool = False,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The magnitude of `otf`."""
 
-def sampled_otf(kernel: _Light, cycles_per_pixel: NDArray[np.float64]) -> NDArray[np.complex128]:
+def sampled_otf(kernel: _Floats, cycles_per_pixel: _Numbers) -> NDArray[np.complex128]:
     """Fourier transform of a kernel as pixels sample it, about its middle: along a row and along a column (2 x frequencies)."""
 
-def blur(picture: _Light, kernel: Union[_Light, Sequence[_Light]]) -> _Light:
+def blur(picture: _Floats, kernel: Union[_Floats, Sequence[_Floats]]) -> _Light:
     """A plane blurred with a kernel (square, odd side, sum 1), or a picture with three; borders mirrored."""
 
-def blur_adjoint(picture: _Light, kernel: Union[_Light, Sequence[_Light]]) -> _Light:
+def blur_adjoint(picture: _Floats, kernel: Union[_Floats, Sequence[_Floats]]) -> _Light:
     """The adjoint: <blur(x), y> = <x, blur_adjoint(y)>."""
 
-def encode(picture: _Light, tone: str = "srgb") -> _Light:
+def encode(picture: _Floats, tone: str = "srgb") -> _Light:
     """Light as a picture's numbers; tone srgb or linear."""
 
-def decode(picture: _Light, tone: str = "srgb") -> _Light:
+def decode(picture: _Floats, tone: str = "srgb") -> _Light:
     """A picture's numbers as light."""
 
 def capture(
-    scene: Union[Scene, _Light],
+    scene: Union[Scene, _Floats],
     camera: _Camera,
     psi: Optional[float] = None,
     *,
-    depth: Optional[SupportsIndex] = None,
+    bit_depth: Optional[SupportsIndex] = None,
     phase: str = "rggb",
     noise: Union[str, float, None] = None,
     seed: Optional[SupportsIndex] = None,
@@ -526,30 +538,33 @@ def capture(
     depth_tolerance: float = 0.0,
     exact: bool = False,
 ) -> Capture:
-    """The raw frame that a camera gives of a scene, or of a picture at `psi`. `depth`: bits of the sensor, 8 to 16 (default 12). `noise`: standard
+    """The raw frame that a camera gives of a scene, or of a picture at `psi`. `bit_depth`: bits of the sensor, 8 to 16 (default 12). `noise`: standard
     deviation in units of full scale, or a word such as sensor:gain=4. The same seed gives the same noise. As `edof capture`."""
 
 def reconstruct(
-    raw: _Raw,
+    raw: _Frame,
     network: _Net,
     *,
-    depth: Optional[SupportsIndex] = None,
-    phase: str = "rggb",
+    bit_depth: Optional[SupportsIndex] = None,
+    phase: Optional[str] = None,
     black_level: Union[float, Sequence[float], None] = None,
     white_level: Optional[float] = None,
+    camera: Optional[_Camera] = None,
     stride: Optional[SupportsIndex] = None,
 ) -> _Light:
     """Linear light of a raw frame: with a Network in floating point (`stride` 2, 4 or 8, default 8), with a FixedNetwork, a name or a file in the board's
-    integers (docs/contract.md, section 6, as RGB). `depth`: bits, 8 to 16 (default 16). Levels are sensor values."""
+    integers (docs/contract.md, section 6, as RGB). `bit_depth`: bits, 8 to 16 (default 16). Levels are sensor values. `camera` took the frame (default: that
+    of a Capture); a network that was trained for another lens is rejected. For an array without `camera` nobody can tell."""
 
 def board_picture(
-    raw: _Raw,
+    raw: _Frame,
     network: _Fixed,
     *,
-    depth: Optional[SupportsIndex] = None,
-    phase: str = "rggb",
+    bit_depth: Optional[SupportsIndex] = None,
+    phase: Optional[str] = None,
     black_level: Union[float, Sequence[float], None] = None,
     white_level: Optional[float] = None,
+    camera: Optional[_Camera] = None,
     display: str = "colour",
     curve: str = "srgb",
 ) -> BoardPicture:
@@ -557,20 +572,21 @@ def board_picture(
     luma; `curve`: srgb, linear or bt709."""
 
 def words(
-    raw: _Raw,
+    raw: _Frame,
     network: _Fixed,
     *,
-    depth: Optional[SupportsIndex] = None,
-    phase: str = "rggb",
+    bit_depth: Optional[SupportsIndex] = None,
+    phase: Optional[str] = None,
     black_level: Union[float, Sequence[float], None] = None,
     white_level: Optional[float] = None,
+    camera: Optional[_Camera] = None,
     display: str = "colour",
     curve: str = "srgb",
 ) -> dict[str, NDArray[Any]]:
     """Every word at every boundary (int16: y, b1, z1, v1, ..., f, as rows of patches x columns of patches x words; luma, cb, cr) and the codes (uint8: y_code,
     cb_code, cr_code): words.npz of docs/contract.md, section 8."""
 
-def cable_pixels(raw: _Raw, *, depth: Optional[SupportsIndex] = None, phase: str = "rggb") -> NDArray[np.uint16]:
+def cable_pixels(raw: _Frame, *, bit_depth: Optional[SupportsIndex] = None, phase: Optional[str] = None) -> NDArray[np.uint16]:
     """A frame as pixels on the video cable (docs/contract.md, 1.1): the luma code low, the chroma code high; rows x columns."""
 
 def uartbone_read(address: SupportsIndex, words: SupportsIndex) -> bytes:
@@ -583,11 +599,11 @@ def uartbone_words(answer: bytes) -> list[int]:
     """The words of an answer."""
 
 def demosaic(
-    raw: _Raw,
+    raw: _Frame,
     *,
     method: str = "malvar",
-    depth: Optional[SupportsIndex] = None,
-    phase: str = "rggb",
+    bit_depth: Optional[SupportsIndex] = None,
+    phase: Optional[str] = None,
     black_level: Union[float, Sequence[float], None] = None,
     white_level: Optional[float] = None,
 ) -> _Light:
@@ -595,7 +611,7 @@ def demosaic(
 
 def train(
     form: str,
-    pictures: Sequence[_Light],
+    pictures: Sequence[_Floats],
     camera: _Camera,
     *,
     recipe: Optional[dict[str, Any]] = None,
@@ -608,26 +624,26 @@ def train(
     edof_train::recipe::Recipe (steps, batch, rate, seed, tones, conditions, ...); `start` goes on from a network. Gives the best validated network and a report (step, loss,
     best_db) of every hundred steps. The same arguments give the same weights on any number of threads (default 2)."""
 
-def wiener(plane: _Light, kernel: _Light, *, noise_to_contrast: float = 0.01) -> _Light:
+def wiener(plane: _Floats, kernel: _Floats, *, noise_to_contrast: float = 0.01) -> _Light:
     """Deconvolution of least mean square error; the variance of the noise over that of a difference of neighbouring pixels, above 0."""
 
-def richardson_lucy(plane: _Light, kernel: _Light, *, steps: Optional[SupportsIndex] = None) -> _Light:
+def richardson_lucy(plane: _Floats, kernel: _Floats, *, steps: Optional[SupportsIndex] = None) -> _Light:
     """`steps` (default 30) toward the most likely light behind counted photons."""
 
-def hyper_laplacian(plane: _Light, kernel: _Light, *, weight: float = 3000.0, alpha: float = 0.8) -> _Light:
+def hyper_laplacian(plane: _Floats, kernel: _Floats, *, weight: float = 3000.0, alpha: float = 0.8) -> _Light:
     """Deconvolution under a prior of few and large differences (Krishnan, Fergus 2009): `weight` of the picture, above 0; `alpha` above 0, at most 1."""
 
-def blind_deconvolution(plane: _Light, *, side: Optional[SupportsIndex] = None) -> tuple[_Light, _Light]:
+def blind_deconvolution(plane: _Floats, *, side: Optional[SupportsIndex] = None) -> tuple[_Light, _Light]:
     """Sharp plane and kernel (Krishnan, Tay, Fergus 2011); `side` of the kernel, odd, 3 to 255, default 25: larger than the blur."""
 
-def omp(signals: _Light, dictionary: _Light, *, atoms: SupportsIndex, residual: float = 0.0) -> _Light:
+def omp(signals: _Floats, dictionary: _Floats, *, atoms: SupportsIndex, residual: float = 0.0) -> _Light:
     """Sparse codes (signals x atoms) of `signals` (signals x length) in `dictionary` (length x atoms) by orthogonal matching pursuit: at most `atoms` each, or until
     the rest's norm is `residual`."""
 
 def lasso(
-    signals: _Light,
-    dictionary: _Light,
-    penalty: Union[float, NDArray[np.float32]],
+    signals: _Floats,
+    dictionary: _Floats,
+    penalty: Union[float, _Floats],
     *,
     method: str = "fista",
     steps: Optional[SupportsIndex] = None,
@@ -636,7 +652,7 @@ def lasso(
     """Sparse codes (signals x atoms) that minimise |x - D z|^2 / 2 + penalty |z|_1, by fista or ista; at most `steps` (default 200), or until none moves by more than
     `tolerance`."""
 
-def ksvd(signals: _Light, start: _Light, *, atoms: SupportsIndex, rounds: SupportsIndex) -> _Light:
+def ksvd(signals: _Floats, start: _Floats, *, atoms: SupportsIndex, rounds: SupportsIndex) -> _Light:
     """A dictionary (length x atoms) in which `signals` (signals x length) have codes of `atoms` atoms, learned in `rounds` from `start`."""
 
 def stall_pattern(
@@ -648,10 +664,10 @@ def stall_pattern(
 def load_picture(path: _Path) -> _Light:
     """A photograph (PNG, JPEG, WebP, TIFF, BMP, PPM) as numbers 0 to 1, encoded as the file holds them."""
 
-def save_picture(path: _Path, light: _Light, *, curve: str = "srgb", bits: Optional[SupportsIndex] = None) -> None:
+def save_picture(path: _Path, light: _Floats, *, curve: str = "srgb", bits: Optional[SupportsIndex] = None) -> None:
     """Writes light as a picture of 8 (default) or 16 bits, by a curve (srgb, linear, bt709)."""
 
-def quality(truth: _Light, estimate: _Light, *, border: Optional[SupportsIndex] = None, tone: str = "linear") -> dict[str, Any]:
+def quality(truth: _Floats, estimate: _Floats, *, border: Optional[SupportsIndex] = None, tone: str = "linear") -> dict[str, Any]:
     """Every metric (`metrics()`) of two pictures that is large enough for it, `border` pixels (default 8) left out (docs/decisions/0003-metrics.md).
 
     `tone` is the encoding of both (linear, srgb), which metrics of light need."""
@@ -659,5 +675,5 @@ def quality(truth: _Light, estimate: _Light, *, border: Optional[SupportsIndex] 
 def metrics() -> list[dict[str, Any]]:
     """What `quality` measures: name, title, unit, better (higher or lower) and min_side, the smallest side in pixels inside the border."""
 
-def psnr(truth: _Light, estimate: _Light, *, border: Optional[SupportsIndex] = None) -> float:
+def psnr(truth: _Floats, estimate: _Floats, *, border: Optional[SupportsIndex] = None) -> float:
     """PSNR in dB over all colours, peak 1, `border` pixels (default 8) left out; infinite for equal pictures."""

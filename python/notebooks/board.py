@@ -33,7 +33,7 @@ untrained = edof.Network.from_arrays(form, arrays, camera=camera, name="small")
 windows, patches = [], []
 for seed in range(4):
     light = edof.Scene.draw("leaves", 128, 192, psi=[0.0], seed=seed).sharp()
-    raw = edof.capture(light, camera, 4.0, depth=16).raw
+    raw = edof.capture(light, camera, 4.0, bit_depth=16).raw
     for row in range(0, 128, 8):
         for column in range(0, 192, 8):
             windows.append(raw[row : row + 8, column : column + 8].ravel() / np.float32(65536.0))
@@ -55,7 +55,7 @@ network = edof.Network.from_arrays(form, arrays, camera=camera, name="small")
 pictures = [edof.encode(edof.Scene.draw("leaves", 128, 192, psi=[0.0], seed=9).sharp(), "linear")]
 fixed = network.quantize(pictures, bits=12)
 truth = edof.Scene.draw("leaves", 128, 192, psi=[0.0], seed=7).sharp()
-raw = edof.capture(truth, camera, 4.0, depth=16).raw
+raw = edof.capture(truth, camera, 4.0, bit_depth=16).raw
 print(f"float {edof.psnr(truth, edof.reconstruct(raw, network)):.2f} dB, integers {edof.psnr(truth, edof.reconstruct(raw, fixed)):.2f} dB")
 
 # %% [markdown]

@@ -63,13 +63,13 @@ figure.savefig("lens-contrast.png", dpi=80)
 
 # %%
 scene = edof.Scene.draw("chart-4", 192, 288, camera=mine)
-clear_shot = edof.capture(scene, clear, depth=12, noise="sensor:gain=1")
-coded_shot = edof.capture(scene, "ring-outer", depth=12, noise="sensor:gain=1")
-sharp = edof.reconstruct(coded_shot.raw, "edof-t4w12-outer-light", depth=12)
+clear_shot = edof.capture(scene, clear, bit_depth=12, noise="sensor:gain=1")
+coded_shot = edof.capture(scene, "ring-outer", bit_depth=12, noise="sensor:gain=1")
+sharp = edof.reconstruct(coded_shot.raw, "edof-t4w12-outer-light", bit_depth=12)
 shown = {
     "scene": scene.sharp(),
-    "clear lens": edof.demosaic(clear_shot.raw, depth=12),
-    "ring-outer": edof.demosaic(coded_shot.raw, depth=12),
+    "clear lens": edof.demosaic(clear_shot.raw, bit_depth=12),
+    "ring-outer": edof.demosaic(coded_shot.raw, bit_depth=12),
     "ring-outer, reconstructed": sharp,
 }
 figure, axes = plt.subplots(2, 2, figsize=(10, 7), layout="constrained")

@@ -12,7 +12,7 @@ import edof
 
 # %%
 truth = edof.Scene.draw("leaves", 256, 384, psi=[0.0], seed=5).sharp()
-raw = edof.capture(truth, "ring-outer", 6.0, depth=16, noise="sensor:gain=1").raw
+raw = edof.capture(truth, "ring-outer", 6.0, bit_depth=16, noise="sensor:gain=1").raw
 fixed, network = edof.FixedNetwork.load("edof-t4w12-outer-light"), edof.Network.load("edof-t4w12-outer-light")
 kernels = edof.psf("ring-outer", 6.0)
 methods = {f"network, stride {stride}": lambda stride=stride: edof.reconstruct(raw, network, stride=stride) for stride in (8, 4, 2)}

@@ -1,16 +1,83 @@
-//! Arguments, checked: arrays of one type and shape, words for what has few values, whole numbers.
+//! Arguments, checked: arrays of numbers and a shape, words for what has few values, whole numbers.
 
 use crate::error::{OrRaise, failed, wrong_type};
 use ndarray::{Array, ArrayBase, ArrayView, Data, Dimension};
-use numpy::{Element, PyArrayDescrMethods, PyReadonlyArray, PyUntypedArray, PyUntypedArrayMethods, dtype};
-use numpy::{PyArray, PyArrayMethods};
+use numpy::{Element, IntoPyArray, PyArray, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArray};
+use numpy::{PyUntypedArray, PyUntypedArrayMethods, dtype};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use std::fmt::{Debug, Display};
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// An array of exactly this type and number of dimensions, read in place whatever its strides; `shape` says in words what it must be.
-pub fn array<'py, T: Element, D: Dimension>(
+/// A type that arrays are read as, and what it takes of NumPy's others.
+pub trait Number: Element + Copy {
+    /// Kinds of types that are converted, by NumPy's letters: f floating point, i and u integers.
+    const KINDS: &'static [u8];
+    /// The types, in words.
+    const TYPES: &'static str;
+    /// The numbers that fit, in words.
+    const FITS: &'static str;
+    /// Rounds a floating-point number to this type, if it fits.
+    fn of_float(value: f64) -> Option<Self>;
+    /// Converts an integer to this type, if it fits.
+    fn of_integer(value: i128) -> Option<Self>;
+}
+
+impl Number for f32 {
+    // No integers: a photograph of 8 bits is not light from 0 to 1.
+    const KINDS: &'static [u8] = b"f";
+    const TYPES: &'static str = "float32, float64 or float16";
+    const FITS: &'static str = "numbers that float32 can hold";
+
+    fn of_float(value: f64) -> Option<Self> {
+        let rounded = value as Self;
+        (rounded.is_finite() == value.is_finite()).then_some(rounded)
+    }
+
+    fn of_integer(_: i128) -> Option<Self> {
+        None
+    }
+}
+
+impl Number for f64 {
+    const KINDS: &'static [u8] = b"fiu";
+    const TYPES: &'static str = "float64 or other numbers";
+    const FITS: &'static str = "numbers";
+
+    fn of_float(value: f64) -> Option<Self> {
+        Some(value)
+    }
+
+    fn of_integer(value: i128) -> Option<Self> {
+        Some(value as Self)
+    }
+}
+
+macro_rules! integer_type {
+    ($name:ident, $types:literal, $fits:literal) => {
+        impl Number for $name {
+            const KINDS: &'static [u8] = b"fiu";
+            const TYPES: &'static str = $types;
+            const FITS: &'static str = $fits;
+
+            fn of_float(value: f64) -> Option<Self> {
+                if value.fract() == 0.0 { Self::of_integer(value as i128) } else { None }
+            }
+
+            fn of_integer(value: i128) -> Option<Self> {
+                value.try_into().ok()
+            }
+        }
+    };
+}
+
+integer_type!(u16, "uint16 or other numbers", "whole numbers from 0 to 65535");
+integer_type!(i16, "int16 or other numbers", "whole numbers from -32768 to 32767");
+
+/// An array of this number of dimensions: one of type `T` is read in place whatever its strides, one of another type or byte order is
+/// converted, and every number must fit. `shape` says in words what the array must be.
+pub fn array<'py, T: Number, D: Dimension>(
     value: &Bound<'py, PyAny>,
     name: &str,
     shape: &str,
@@ -20,18 +87,50 @@ pub fn array<'py, T: Element, D: Dimension>(
         return Err(wrong_type(name, value, &format!("a NumPy array of {wanted}, {shape}")));
     };
     let found = untyped.dtype();
-    if !found.is_equiv_to(&wanted) {
-        return Err(PyTypeError::new_err(format!("{name}: array of {found}, expected {wanted}")));
+    if !T::KINDS.contains(&found.kind()) {
+        return Err(PyTypeError::new_err(format!("{name}: array of {found}, expected {}", T::TYPES)));
     }
     if let Some(expected) = D::NDIM.filter(|expected| *expected != untyped.ndim()) {
         let count = untyped.ndim();
         return Err(failed(format!("{name}: {count} dimensions, expected {expected}: {shape}")));
     }
-    if !untyped.is_aligned() {
-        return Err(failed(format!("{name}: not aligned in memory; pass a copy")));
-    }
-    let array = value.cast::<PyArray<T, D>>().map_err(|e| wrong_type(name, value, &e.to_string()))?;
+    let array = match found.kind() {
+        _ if found.is_equiv_to(&wanted) && untyped.is_aligned() => {
+            value.cast::<PyArray<T, D>>().map_err(|e| wrong_type(name, value, &e.to_string()))?.clone()
+        }
+        b'f' => converted::<f64, T, D>(value, name, T::of_float)?,
+        b'u' => converted::<u64, T, D>(value, name, |number| T::of_integer(number.into()))?,
+        _ => converted::<i64, T, D>(value, name, |number| T::of_integer(number.into()))?,
+    };
     array.try_readonly().map_err(|_| failed(format!("{name}: another call is writing to this array")))
+}
+
+/// Copies an array to another type, by way of a type that holds every number of its kind.
+fn converted<'py, Wide: Element + Copy + Debug, T: Number, D: Dimension>(
+    value: &Bound<'py, PyAny>,
+    name: &str,
+    fitting: impl Fn(Wide) -> Option<T>,
+) -> PyResult<Bound<'py, PyArray<T, D>>> {
+    let py = value.py();
+    let wide = value.call_method1("astype", (dtype::<Wide>(py),))?;
+    let wide =
+        wide.cast::<PyArray<Wide, D>>().map_err(|e| wrong_type(name, value, &e.to_string()))?.readonly();
+    let wide = wide.as_array();
+    let misfit = |index, number: &Wide| {
+        let place = place(index, wide.shape());
+        failed(format!("{name}: holds {number:?} at {place:?}, expected {}", T::FITS))
+    };
+    let fit = |(index, number): (usize, &Wide)| fitting(*number).ok_or_else(|| misfit(index, number));
+    let numbers = wide.iter().enumerate().map(fit).collect::<PyResult<Vec<T>>>()?;
+    Ok(Array::from_shape_vec(wide.raw_dim(), numbers).or_raise()?.into_pyarray(py))
+}
+
+/// Indices of an element by its number in row-major order.
+fn place(index: usize, shape: &[usize]) -> Vec<usize> {
+    let mut rest = index;
+    let mut place: Vec<usize> = shape.iter().rev().map(|n| (rest % n, rest /= n).0).collect();
+    place.reverse();
+    place
 }
 
 /// An array without NaN and infinities.
@@ -57,9 +156,7 @@ pub fn check_finite<S: Data<Elem = f32>, D: Dimension>(array: &ArrayBase<S, D>, 
         return Ok(());
     }
     let at = array.iter().position(|v| !v.is_finite()).unwrap_or(0);
-    let mut rest = at;
-    let mut place: Vec<usize> = array.shape().iter().rev().map(|n| (rest % n, rest /= n).0).collect();
-    place.reverse();
+    let place = place(at, array.shape());
     let value = array.iter().nth(at).copied().unwrap_or(f32::NAN);
     Err(failed(format!("{name}: holds {value} at {place:?}, expected finite numbers")))
 }
@@ -86,7 +183,7 @@ pub fn check_planes((planes, height, width): (usize, usize, usize), name: &str) 
 }
 
 /// A word with few values, such as a CFA phase.
-pub fn word<T: FromStr<Err: std::fmt::Display>>(value: &str) -> PyResult<T> {
+pub fn word<T: FromStr<Err: Display>>(value: &str) -> PyResult<T> {
     value.parse().or_raise()
 }
 

@@ -4,7 +4,8 @@ use crate::arguments::{name, size};
 use crate::design::{PyDesign, design};
 use crate::error::{OrRaise, failed};
 use crate::json;
-use crate::reconstruct::{fixed, frame};
+use crate::reconstruct::fixed;
+use crate::shot;
 use edof::presets::{designs, weights};
 use edof_board::load::Job;
 use edof_board::names::Place;
@@ -176,18 +177,18 @@ impl PyBoard {
     }
 
     #[staticmethod]
-    #[pyo3(signature = (design, network, raw, *, depth = None, phase = "rggb", baud = None))]
+    #[pyo3(signature = (design, network, raw, *, bit_depth = None, phase = None, baud = None))]
     fn simulated(
         py: Python<'_>,
         design: &Bound<'_, PyAny>,
         network: &Bound<'_, PyAny>,
         raw: &Bound<'_, PyAny>,
-        depth: Option<&Bound<'_, PyAny>>,
-        phase: &str,
+        bit_depth: Option<&Bound<'_, PyAny>>,
+        phase: Option<&str>,
         baud: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let (design, golden) = (self::design(design)?, fixed(network)?);
-        let raw = frame(raw, depth, phase, None, None)?;
+        let raw = shot::frame(raw, bit_depth, phase, None, None)?;
         let raw = cable::carried(&raw.encoded(golden.network().origin.values));
         let (found, frame) = (raw.size(), design.frame);
         if found != (frame.height, frame.width) {

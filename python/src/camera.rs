@@ -2,7 +2,7 @@
 
 use crate::arguments::{array, finite, name, number, owned};
 use crate::error::{OrRaise, failed};
-use edof::presets::lens;
+use edof::presets::lens::{self, BankFile};
 use edof_core::camera::{Aberration, Camera, HeightMap, Kernels, PRESETS, PsfBank, Term, Zernike};
 use edof_core::storage::json;
 use edof_optics::{distance_m, psi_at};
@@ -50,13 +50,24 @@ impl PyCamera {
 #[pymethods]
 impl PyCamera {
     #[new]
-    #[pyo3(signature = (name_or_path = None, *, psf_bank = None))]
-    fn new(name_or_path: Option<&Bound<'_, PyAny>>, psf_bank: Option<PathBuf>) -> PyResult<Self> {
+    #[pyo3(signature = (name_or_path = None, *, psf_bank = None, centre = false))]
+    fn new(
+        name_or_path: Option<&Bound<'_, PyAny>>,
+        psf_bank: Option<PathBuf>,
+        centre: bool,
+    ) -> PyResult<Self> {
+        if centre && psf_bank.is_none() {
+            return Err(failed("centre: shifts a PSF bank; name one by psf_bank"));
+        }
         let name = match name_or_path {
             Some(value) => name(value, "name_or_path", "the name of a preset, or the path of a JSON file")?,
             None => "ring-outer".to_owned(),
         };
-        Ok(Self(Arc::new(lens::resolve(&name, psf_bank.as_deref()).or_raise()?.camera)))
+        Ok(Self(Arc::new(
+            lens::resolve(&name, psf_bank.as_deref().map(|path| BankFile { path, centre }))
+                .or_raise()?
+                .camera,
+        )))
     }
 
     /// Names of the cameras that come with edof.
@@ -86,8 +97,12 @@ impl PyCamera {
         let kernels =
             Kernels::new(psi.as_array().to_vec(), owned(psf.as_array()).mapv(f64::from).view(), None)
                 .or_raise()?;
-        let bank =
-            PsfBank { file: name.to_owned(), sha256: kernels.sha256(), kernels: Some(Arc::new(kernels)) };
+        let bank = PsfBank {
+            file: name.to_owned(),
+            sha256: kernels.sha256(),
+            centre: false,
+            kernels: Some(Arc::new(kernels)),
+        };
         Ok(Self(Arc::new(lens::with_bank((*self.0).clone(), bank))))
     }
 

@@ -2,7 +2,8 @@
 
 use crate::arguments::{name, positive};
 use crate::error::{OrRaise, failed, wrong_type};
-use crate::reconstruct::{fixed, frame};
+use crate::reconstruct::fixed;
+use crate::shot;
 use crate::{job, json};
 use edof::presets::designs;
 use edof_core::RawFrame;
@@ -33,16 +34,22 @@ pub fn design(value: &Bound<'_, PyAny>) -> PyResult<Design> {
 }
 
 /// Raw frames of a design's network, as light.
-fn frames(raw: &Bound<'_, PyAny>, depth: Option<&Bound<'_, PyAny>>, phase: &str) -> PyResult<Vec<RawFrame>> {
-    let all: Vec<Bound<'_, PyAny>> = match raw.cast::<numpy::PyUntypedArray>() {
-        Ok(_) => vec![raw.clone()],
-        Err(_) => raw.extract().map_err(|_| wrong_type("raw", raw, "a raw frame, or a list of them"))?,
+fn frames(
+    raw: &Bound<'_, PyAny>,
+    bit_depth: Option<&Bound<'_, PyAny>>,
+    phase: Option<&str>,
+) -> PyResult<Vec<RawFrame>> {
+    let all: Vec<Bound<'_, PyAny>> = match shot::is_one(raw) {
+        true => vec![raw.clone()],
+        false => raw.extract().map_err(|_| wrong_type("raw", raw, "a raw frame, or a list of them"))?,
     };
     if all.is_empty() {
         return Err(failed("raw: no frames, expected one at least"));
     }
     // As the calculator takes them: red first.
-    all.iter().map(|raw| Ok(frame(raw, depth, phase, None, None)?.to_rggb().0.into_owned())).collect()
+    all.iter()
+        .map(|raw| Ok(shot::frame(raw, bit_depth, phase, None, None)?.to_rggb().0.into_owned()))
+        .collect()
 }
 
 impl PyDesign {
@@ -78,20 +85,20 @@ impl PyDesign {
         serde_json::to_string_pretty(&*self.0).or_raise()
     }
 
-    #[pyo3(signature = (network = None, raw = None, *, depth = None, phase = "rggb"))]
+    #[pyo3(signature = (network = None, raw = None, *, bit_depth = None, phase = None))]
     fn estimate<'py>(
         &self,
         py: Python<'py>,
         network: Option<&Bound<'py, PyAny>>,
         raw: Option<&Bound<'py, PyAny>>,
-        depth: Option<&Bound<'py, PyAny>>,
-        phase: &str,
+        bit_depth: Option<&Bound<'py, PyAny>>,
+        phase: Option<&str>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.0.clocks().or_raise()?;
         let design = Arc::clone(&self.0);
         let (golden, frames) = match (network, raw) {
             (None, None) => return json::plain(py, &Estimated::new(&design, None).json(None)),
-            (Some(network), Some(raw)) => (fixed(network)?, frames(raw, depth, phase)?),
+            (Some(network), Some(raw)) => (fixed(network)?, frames(raw, bit_depth, phase)?),
             (Some(_), None) => return Err(failed("raw: expected raw frames to measure the network on")),
             (None, Some(_)) => return Err(failed("network: expected one, to measure raw frames with")),
         };
@@ -107,17 +114,17 @@ impl PyDesign {
         json::plain(py, &told.or_raise()?)
     }
 
-    #[pyo3(signature = (network, raw, *, depth = None, phase = "rggb", fps = 60.0))]
+    #[pyo3(signature = (network, raw, *, bit_depth = None, phase = None, fps = 60.0))]
     fn explore<'py>(
         &self,
         py: Python<'py>,
         network: &Bound<'py, PyAny>,
         raw: &Bound<'py, PyAny>,
-        depth: Option<&Bound<'py, PyAny>>,
-        phase: &str,
+        bit_depth: Option<&Bound<'py, PyAny>>,
+        phase: Option<&str>,
         fps: f64,
     ) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        let (golden, frames, fps) = (fixed(network)?, frames(raw, depth, phase)?, positive(fps, "fps")?);
+        let (golden, frames, fps) = (fixed(network)?, frames(raw, bit_depth, phase)?, positive(fps, "fps")?);
         let base = Arc::clone(&self.0);
         let work = move |stop: &AtomicBool| {
             let network = golden.network();

@@ -9,6 +9,7 @@
 //! | cameras | [`camera`] |
 //! | PSF, OTF, blur and its adjoint | [`optics`] |
 //! | scenes and raw frames | [`scene`] |
+//! | a raw frame as an argument | [`shot`] |
 //! | networks, float and fixed | [`network`] |
 //! | training | [`train`] |
 //! | from raw frames to pictures | [`reconstruct`] |
@@ -34,6 +35,7 @@ mod pictures;
 mod reconstruct;
 mod restore;
 mod scene;
+mod shot;
 mod train;
 
 use pyo3::prelude::*;

@@ -249,7 +249,7 @@ fn quantized(
 ) -> PyResult<FixedNetwork> {
     let scenes = capture::capture(pictures, &network.origin, |_| ()).or_raise()?;
     let frames = scenes.iter().map(|scene| &scene.raw);
-    let calibration = Calibration::measure_while(network, frames, || job::flow(stop)).or_raise()?;
+    let calibration = Calibration::measure_while(network, frames, |_| job::flow(stop)).or_raise()?;
     let (mut fixed, _) = edof_quantize::quantize(network, options, &calibration, hash).or_raise()?;
     fixed.quantized = Some(Quantized {
         headroom: options.headroom,

@@ -1,17 +1,17 @@
 //! From raw frames to pictures: float, fixed, the board's codes, every boundary.
 
-use crate::arguments::{array, word};
+use crate::arguments::word;
 use crate::error::{OrRaise, failed, wrong_type};
 use crate::network::{NETWORK, PyFixedNetwork, PyNetwork, stride};
+use crate::shot::{check_lens, frame};
 use crate::{job, json};
 use edof::presets::weights;
 use edof_core::overlap::Overlap;
-use edof_core::{DisplayMode, RawFrame, Reconstructor, Stride, cable};
+use edof_core::{DisplayMode, Reconstructor, Stride, cable};
 use edof_golden::{Curve, Display, Golden, GoldenFrame, Picture};
-use edof_io::levels::{Black, Levels};
 use edof_network::FixedNetwork;
 use edof_network::float::reconstruct::{FloatReconstructor, Output};
-use ndarray::Ix2;
+use edof_network::network::Origin;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -21,6 +21,15 @@ use std::sync::Arc;
 enum Net {
     Float(Arc<edof_network::Network>),
     Fixed(Arc<Golden>),
+}
+
+impl Net {
+    fn origin(&self) -> &Origin {
+        match self {
+            Self::Float(network) => &network.origin,
+            Self::Fixed(golden) => &golden.network().origin,
+        }
+    }
 }
 
 fn net(value: &Bound<'_, PyAny>) -> PyResult<Net> {
@@ -43,38 +52,6 @@ pub fn fixed(value: &Bound<'_, PyAny>) -> PyResult<Arc<Golden>> {
     Ok(Arc::new(Golden::new(network).or_raise()?))
 }
 
-/// A raw frame as light: its sensor values, and what darkness and full light are in it.
-pub fn frame(
-    raw: &Bound<'_, PyAny>,
-    depth: Option<&Bound<'_, PyAny>>,
-    phase: &str,
-    black_level: Option<&Bound<'_, PyAny>>,
-    white_level: Option<f64>,
-) -> PyResult<RawFrame> {
-    let depth = depth.map_or(Ok(16), |value| crate::arguments::whole(value, "depth", 8, 16))? as u32;
-    let raw = array::<u16, Ix2>(raw, "raw", "rows x columns of sensor values")?;
-    let frame = RawFrame::from_view(raw.as_array(), depth, word(phase)?).or_raise()?;
-    let black = match black_level {
-        None => Black::default(),
-        Some(value) => match (value.extract::<f64>(), value.extract::<[f64; 4]>()) {
-            (Ok(level), _) => Black::new([level; 4]).or_raise()?,
-            (_, Ok(levels)) => Black::new(levels).or_raise()?,
-            _ => {
-                return Err(wrong_type(
-                    "black_level",
-                    value,
-                    "a number, or four for the 2x2 pixels from the first on",
-                ));
-            }
-        },
-    };
-    let levels = Levels { black, white: white_level };
-    if levels == Levels::default() {
-        return Ok(frame);
-    }
-    levels.light(&frame).or_raise()
-}
-
 /// A curve from light to a picture's numbers.
 pub fn curve(name: &str) -> PyResult<Curve> {
     match name {
@@ -87,20 +64,22 @@ pub fn curve(name: &str) -> PyResult<Curve> {
 
 /// Linear light of a frame.
 #[pyfunction]
-#[pyo3(signature = (raw, network, *, depth = None, phase = "rggb", black_level = None, white_level = None, stride = None))]
+#[pyo3(signature = (raw, network, *, bit_depth = None, phase = None, black_level = None, white_level = None, camera = None, stride = None))]
 #[allow(clippy::too_many_arguments, reason = "what a frame is")]
 pub fn reconstruct<'py>(
     py: Python<'py>,
     raw: &Bound<'py, PyAny>,
     network: &Bound<'py, PyAny>,
-    depth: Option<&Bound<'py, PyAny>>,
-    phase: &str,
+    bit_depth: Option<&Bound<'py, PyAny>>,
+    phase: Option<&str>,
     black_level: Option<&Bound<'py, PyAny>>,
     white_level: Option<f64>,
+    camera: Option<&Bound<'py, PyAny>>,
     stride: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let (net, asked) = (net(network)?, stride.map(self::stride).transpose()?);
-    let raw = frame(raw, depth, phase, black_level, white_level)?;
+    check_lens(raw, camera, net.origin())?;
+    let raw = frame(raw, bit_depth, phase, black_level, white_level)?;
     let light = match net {
         Net::Float(network) => {
             let stride = asked.unwrap_or(Stride::PATCH);
@@ -153,24 +132,26 @@ impl PyBoardPicture {
 
 /// The codes that leave the board's HDMI port.
 #[pyfunction]
-#[pyo3(signature = (raw, network, *, depth = None, phase = "rggb", black_level = None, white_level = None, display = "colour", curve = "srgb"))]
+#[pyo3(signature = (raw, network, *, bit_depth = None, phase = None, black_level = None, white_level = None, camera = None, display = "colour", curve = "srgb"))]
 #[allow(clippy::too_many_arguments, reason = "what a frame is")]
 pub fn board_picture(
     py: Python<'_>,
     raw: &Bound<'_, PyAny>,
     network: &Bound<'_, PyAny>,
-    depth: Option<&Bound<'_, PyAny>>,
-    phase: &str,
+    bit_depth: Option<&Bound<'_, PyAny>>,
+    phase: Option<&str>,
     black_level: Option<&Bound<'_, PyAny>>,
     white_level: Option<f64>,
+    camera: Option<&Bound<'_, PyAny>>,
     display: &str,
     curve: &str,
 ) -> PyResult<PyBoardPicture> {
     let golden = fixed(network)?;
+    check_lens(raw, camera, &golden.network().origin)?;
     let values = golden.network().origin.values;
     let display = Display::of_values(values, word::<DisplayMode>(display)?, self::curve(curve)?);
     // To the board leads a cable.
-    let raw = cable::carried(&frame(raw, depth, phase, black_level, white_level)?.encoded(values));
+    let raw = cable::carried(&frame(raw, bit_depth, phase, black_level, white_level)?.encoded(values));
     let (out, (picture, shown)) = job::run(py, move |_| {
         let out = golden.frame(&raw)?;
         let picture = out.picture(&display);
@@ -196,36 +177,38 @@ pub fn board_picture(
 
 /// A frame as pixels on the video cable: the luma code low, the chroma code high.
 #[pyfunction]
-#[pyo3(signature = (raw, *, depth = None, phase = "rggb"))]
+#[pyo3(signature = (raw, *, bit_depth = None, phase = None))]
 pub fn cable_pixels<'py>(
     py: Python<'py>,
     raw: &Bound<'py, PyAny>,
-    depth: Option<&Bound<'py, PyAny>>,
-    phase: &str,
+    bit_depth: Option<&Bound<'py, PyAny>>,
+    phase: Option<&str>,
 ) -> PyResult<Bound<'py, PyArray2<u16>>> {
-    let raw = frame(raw, depth, phase, None, None)?;
+    let raw = frame(raw, bit_depth, phase, None, None)?;
     Ok(raw.pixels().mapv(|word| u16::from_le_bytes(cable::codes(word))).into_pyarray(py))
 }
 
 /// Every word at every boundary, under the names of docs/contract.md, section 8.
 #[pyfunction]
-#[pyo3(signature = (raw, network, *, depth = None, phase = "rggb", black_level = None, white_level = None, display = "colour", curve = "srgb"))]
+#[pyo3(signature = (raw, network, *, bit_depth = None, phase = None, black_level = None, white_level = None, camera = None, display = "colour", curve = "srgb"))]
 #[allow(clippy::too_many_arguments, reason = "what a frame is")]
 pub fn words<'py>(
     py: Python<'py>,
     raw: &Bound<'py, PyAny>,
     network: &Bound<'py, PyAny>,
-    depth: Option<&Bound<'py, PyAny>>,
-    phase: &str,
+    bit_depth: Option<&Bound<'py, PyAny>>,
+    phase: Option<&str>,
     black_level: Option<&Bound<'py, PyAny>>,
     white_level: Option<f64>,
+    camera: Option<&Bound<'py, PyAny>>,
     display: &str,
     curve: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     let golden = fixed(network)?;
+    check_lens(raw, camera, &golden.network().origin)?;
     let values = golden.network().origin.values;
     let display = Display::of_values(values, word::<DisplayMode>(display)?, self::curve(curve)?);
-    let raw = frame(raw, depth, phase, black_level, white_level)?.encoded(values).into_owned();
+    let raw = frame(raw, bit_depth, phase, black_level, white_level)?.encoded(values).into_owned();
     let (boundaries, out, picture) = job::run(py, move |_| {
         let out: GoldenFrame = golden.frame(&raw)?;
         let (picture, _) = out.picture(&display);

@@ -3,7 +3,7 @@
 use crate::arguments::{array, finite, number, owned, positive, size};
 use crate::error::{OrRaise, failed};
 use crate::job;
-use crate::reconstruct::frame;
+use crate::shot::frame;
 use edof_core::Reconstructor;
 use edof_deblur::blind::{self, Settings};
 use edof_deblur::hyper_laplacian::Prior;
@@ -20,13 +20,13 @@ const MAX: usize = 1 << 20;
 
 /// A raw frame as a plain camera would show it.
 #[pyfunction]
-#[pyo3(signature = (raw, *, method = "malvar", depth = None, phase = "rggb", black_level = None, white_level = None))]
+#[pyo3(signature = (raw, *, method = "malvar", bit_depth = None, phase = None, black_level = None, white_level = None))]
 pub fn demosaic<'py>(
     py: Python<'py>,
     raw: &Bound<'py, PyAny>,
     method: &str,
-    depth: Option<&Bound<'py, PyAny>>,
-    phase: &str,
+    bit_depth: Option<&Bound<'py, PyAny>>,
+    phase: Option<&str>,
     black_level: Option<&Bound<'py, PyAny>>,
     white_level: Option<f64>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
@@ -35,7 +35,7 @@ pub fn demosaic<'py>(
         "directional" => Box::new(Directional::default()),
         _ => return Err(failed(format!("method '{method}': must be malvar or directional"))),
     };
-    let raw = frame(raw, depth, phase, black_level, white_level)?;
+    let raw = frame(raw, bit_depth, phase, black_level, white_level)?;
     let light = job::run(py, move |_| way.reconstruct(&raw))?.or_raise()?.frame;
     Ok(light.planes.into_pyarray(py))
 }

@@ -1,10 +1,11 @@
 //! Scenes, and what a camera makes of them.
 
 use crate::arguments::{PLANE, finite, noise, number, owned, picture, size, whole, word};
-use crate::camera::camera;
+use crate::camera::{PyCamera, camera};
 use crate::error::{OrRaise, failed, wrong_type};
 use crate::{job, json, optics};
-use edof_core::{CfaPhase, ColourFrame};
+use edof_core::ColourFrame;
+use edof_core::camera::Camera;
 use edof_optics::Sensor;
 use edof_optics::capture::{self, Approximation};
 use edof_optics::draw::{four_depths, parse_name};
@@ -153,15 +154,12 @@ fn covered(mut light: ColourFrame, matte: Option<&Array2<f32>>) -> ColourFrame {
 pub struct PyCapture {
     /// Sensor values, rows × columns.
     #[pyo3(get)]
-    raw: Py<PyArray2<u16>>,
+    pub raw: Py<PyArray2<u16>>,
     /// Light on the sensor.
     #[pyo3(get)]
     light: Py<PyArray3<f32>>,
-    #[pyo3(get)]
-    depth: u32,
-    phase: CfaPhase,
-    #[pyo3(get)]
-    black_level: u16,
+    pub sensor: Sensor,
+    pub camera: Arc<Camera>,
     depths: Vec<capture::Depth>,
     #[pyo3(get)]
     seconds: f64,
@@ -170,8 +168,23 @@ pub struct PyCapture {
 #[pymethods]
 impl PyCapture {
     #[getter]
+    fn bit_depth(&self) -> u32 {
+        self.sensor.depth
+    }
+
+    #[getter]
     fn phase(&self) -> String {
-        self.phase.to_string()
+        self.sensor.phase.to_string()
+    }
+
+    #[getter]
+    fn black_level(&self) -> u16 {
+        self.sensor.black_level
+    }
+
+    #[getter]
+    fn camera(&self) -> PyCamera {
+        PyCamera(Arc::clone(&self.camera))
     }
 
     #[getter]
@@ -180,13 +193,14 @@ impl PyCapture {
     }
 
     fn __repr__(&self) -> String {
-        format!("Capture({} bits, {}, {} depths)", self.depth, self.phase, self.depths.len())
+        let (Sensor { depth, phase, .. }, depths) = (&self.sensor, self.depths.len());
+        format!("Capture({}, {depth} bits, {phase}, {depths} depths)", self.camera.name)
     }
 }
 
 /// Captures a scene, or a picture at one depth.
 #[pyfunction]
-#[pyo3(name = "capture", signature = (scene, camera, psi = None, *, depth = None, phase = "rggb", noise = None, seed = None, black_level = None,
+#[pyo3(name = "capture", signature = (scene, camera, psi = None, *, bit_depth = None, phase = "rggb", noise = None, seed = None, black_level = None,
     energy = 0.999, wavelength_tolerance = 0.01, depth_tolerance = 0.0, exact = false))]
 #[allow(clippy::too_many_arguments, reason = "the options of the command")]
 pub fn captured(
@@ -194,7 +208,7 @@ pub fn captured(
     scene: &Bound<'_, PyAny>,
     camera: &Bound<'_, PyAny>,
     psi: Option<f64>,
-    depth: Option<&Bound<'_, PyAny>>,
+    bit_depth: Option<&Bound<'_, PyAny>>,
     phase: &str,
     noise: Option<&Bound<'_, PyAny>>,
     seed: Option<&Bound<'_, PyAny>>,
@@ -209,7 +223,7 @@ pub fn captured(
     let approximation = Approximation { psf, depth_tolerance: if exact { 0.0 } else { depth_tolerance } };
     approximation.check().or_raise()?;
     let sensor = Sensor {
-        depth: depth.map_or(Ok(12), |v| whole(v, "depth", 8, 16))? as u32,
+        depth: bit_depth.map_or(Ok(12), |v| whole(v, "bit_depth", 8, 16))? as u32,
         phase: word(phase)?,
         noise: noise.map_or(Ok(edof_core::Noise::None), self::noise)?,
         seed: seed.map_or(Ok(0), |v| whole(v, "seed", 0, u64::MAX))?,
@@ -227,15 +241,14 @@ pub fn captured(
             return Err(failed("psi: expected a number, the depth of the picture; or pass a Scene"));
         }
     };
-    let taken = sensor.clone();
-    let work = move |_: &_| capture::capture(&scene, &camera, &taken, &approximation);
+    let (lens, taken) = (Arc::clone(&camera), sensor.clone());
+    let work = move |_: &_| capture::capture(&scene, &lens, &taken, &approximation);
     let shot = job::run(py, work)?.or_raise()?;
     Ok(PyCapture {
         raw: shot.raw.values().into_pyarray(py).unbind(),
         light: shot.light.planes.into_pyarray(py).unbind(),
-        depth: sensor.depth,
-        phase: sensor.phase,
-        black_level: sensor.black_level,
+        sensor,
+        camera,
         depths: shot.depths,
         seconds: shot.seconds,
     })

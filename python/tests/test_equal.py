@@ -101,7 +101,7 @@ def test_words_at_every_boundary_are_those_of_the_program(run: Run, tmp_path: Pa
 
 
 def test_words_of_a_photograph_are_those_of_the_program(run: Run, tmp_path: Path, light: Picture) -> None:
-    raw = edof.capture(light, "ring-outer", 8.0, depth=16, noise=0.01, seed=2).raw
+    raw = edof.capture(light, "ring-outer", 8.0, bit_depth=16, noise=0.01, seed=2).raw
     raw_file(tmp_path / "raw.pgm", raw, 16)
     run("reconstruct", "raw.pgm", "--weights", "edof-t4w12-outer-light", "--words", "words", "--out", "sharp.png", "-q")
     expected = npz(tmp_path / "words" / "words.npz")
@@ -115,7 +115,7 @@ def test_board_codes_are_those_of_the_program(run: Run, tmp_path: Path, light: P
     raw = edof.capture(light, "ring-outer", 4.0, phase=phase, seed=1).raw
     raw_file(tmp_path / "raw.pgm", raw, 12)
     run("reconstruct", "raw.pgm", "--bit-depth", 12, "--phase", phase, "--board", "--display", display, "--out", "board.png", "-q")
-    made = edof.board_picture(raw, "edof-t4w12-outer-light", depth=12, phase=phase, display=display)
+    made = edof.board_picture(raw, "edof-t4w12-outer-light", bit_depth=12, phase=phase, display=display)
     assert made.yuyv().tobytes() == (tmp_path / "board.yuyv").read_bytes()
     edof.save_picture(tmp_path / "own.png", made.shown(), curve="linear")
     same(edof.load_picture(tmp_path / "own.png"), edof.load_picture(tmp_path / "board.png"))
@@ -125,7 +125,7 @@ def test_board_codes_are_those_of_the_program(run: Run, tmp_path: Path, light: P
 @pytest.mark.parametrize("stride", [2, 4, 8])
 @pytest.mark.parametrize("kind", ["noise", "checked", "photograph"])
 def test_float_pictures_are_those_of_the_program(run: Run, tmp_path: Path, light: Picture, kind: str, stride: int) -> None:
-    raw = edof.capture(light, "ring-outer", 6.0, depth=16).raw if kind == "photograph" else extreme(kind)
+    raw = edof.capture(light, "ring-outer", 6.0, bit_depth=16).raw if kind == "photograph" else extreme(kind)
     raw_file(tmp_path / "raw.pgm", raw, 16)
     run("reconstruct", "raw.pgm", "--float", "--weights", "edof-t4w12-outer-light", "--stride", stride, "--tone", "linear",
         "--bits", 16, "--out", "sharp.tif", "-q")  # fmt: skip
@@ -141,7 +141,7 @@ def test_fixed_pictures_and_levels_are_those_of_the_program(run: Run, tmp_path: 
     raw_file(tmp_path / "raw.pgm", raw, 12)
     run("reconstruct", "raw.pgm", "--bit-depth", 12, "--phase", phase, "--black-level", 64, "--white-level", 4000, "--bits", 16,
         "--out", "sharp.tif", "-q")  # fmt: skip
-    sharp = edof.reconstruct(raw, "edof-t4w12-outer-light", depth=12, phase=phase, black_level=64, white_level=4000.0)
+    sharp = edof.reconstruct(raw, "edof-t4w12-outer-light", bit_depth=12, phase=phase, black_level=64, white_level=4000.0)
     edof.save_picture(tmp_path / "own.tif", sharp, bits=16)
     assert (tmp_path / "own.tif").read_bytes() == (tmp_path / "sharp.tif").read_bytes()
 

@@ -11,7 +11,7 @@ const EVERYWHERE: [Group; 5] = [
     ("Connection to the board", "port baud timeout design"),
     ("Photographs", "images photos"),
     ("Rows of the study", "rows shard any-revision"),
-    ("Files to write", "markdown report csv plot junit waveform cameras out force"),
+    ("Files to write", "markdown latex report csv plot junit waveform cameras out force"),
     ("Results and progress", "json quiet progress help"),
 ];
 
@@ -21,7 +21,7 @@ const COMMANDS: [(&str, &[Group]); 14] = [
         "capture",
         &[
             ("Scene", "size seed tone depth-map range map-of map-unit layers"),
-            ("Lens and depth", "camera psf-bank psi nominal"),
+            ("Lens and depth", "camera psf-bank centre psi nominal"),
             ("Sensor", "bit-depth phase noise black-level"),
             ("Files to write", "out video grey values sharp light"),
             ("Accuracy", "energy wavelength-tolerance depth-tolerance exact measure"),
@@ -31,7 +31,7 @@ const COMMANDS: [(&str, &[Group]); 14] = [
         "reconstruct",
         &[
             ("Network", "weights fixed float device stride"),
-            ("Lens of the frame", "camera psf-bank"),
+            ("Lens of the frame", "camera psf-bank centre"),
             ("Format of the frame", "phase bit-depth video size align order packing"),
             ("Levels and colours", "black-level white-level white-balance colour-matrix"),
             ("Picture", "out tone gamma bits board display words force"),
@@ -50,7 +50,7 @@ const COMMANDS: [(&str, &[Group]); 14] = [
         "train",
         &[
             ("Network", "form from only structure start out name force"),
-            ("Lens and depth", "camera psf-bank depths psi"),
+            ("Lens and depth", "camera psf-bank centre depths psi"),
             ("Photographs", "images photos leave-out variants saturation hue scale"),
             ("Light and noise", "tone noise gain noiseless flat exposure"),
             ("Sparsity", "lambda non-zeros budget-rate"),

@@ -8,6 +8,7 @@
 //! | no output replaces an input or another output | [`files`] |
 //! | Ctrl-C | [`interrupt`] |
 //! | as many threads as the system lets start | [`threads`] |
+//! | what a PSF bank does to a picture | [`psf_bank`] |
 //! | photographs, of even sides | [`pictures`] |
 //! | what is written about a run into its results | [`provenance`] |
 //! | the whole core in simulation, and the demo's board | [`cosim_system`], [`demo_board`] |
@@ -40,6 +41,7 @@ mod limits;
 mod pages;
 mod pictures;
 mod provenance;
+mod psf_bank;
 mod said;
 mod threads;
 mod ui;
@@ -136,7 +138,7 @@ enum Command {
     Cosim(commands::cosim::Args),
     Design(commands::design::Args),
     Estimate(commands::estimate::Args),
-    Explore(commands::explore::Args),
+    Explore(commands::explore::Task),
     Generate(commands::generate::Args),
     RandomNetwork(commands::random_network::Args),
     Timing(commands::timing::Args),

@@ -8,9 +8,9 @@ use edof_core::storage::provenance::{Host, Provenance};
 use edof_study::journal::{Program, UNKNOWN};
 
 /// Options that no byte of a result depends on: paths of files, amount of output, number of threads.
-const NOT_IN_RESULTS: [&str; 20] = [
+const NOT_IN_RESULTS: [&str; 21] = [
     "progress", "no_cache", "json", "quiet", "out", "images", "report", "sharp", "light", "resume",
-    "threads", "waveform", "junit", "words", "rows", "markdown", "csv", "shard", "plot", "force",
+    "threads", "waveform", "junit", "words", "rows", "markdown", "latex", "csv", "shard", "plot", "force",
 ];
 
 /// The record of this run, as far as it is known before the work begins.
@@ -123,7 +123,15 @@ impl CommandLine {
         self
     }
 
-    /// The same where there is a value.
+    /// Adds `--name` where it was given.
+    pub fn flag_if(&mut self, name: &str, is_given: bool) -> &mut Self {
+        if is_given {
+            self.0 += &format!(" --{name}");
+        }
+        self
+    }
+
+    /// Adds `--name value` where there is a value.
     pub fn option_if(&mut self, name: &str, value: Option<impl std::fmt::Display>) -> &mut Self {
         if let Some(value) = value {
             self.option(name, value);

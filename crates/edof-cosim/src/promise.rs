@@ -93,7 +93,13 @@ impl Promise {
                 format!("{}; {scarcest} is {:.0} % of an {part}", self.resources, 100.0 * share),
             ),
         ];
-        let board = [("memory", traffic), ("latency", latency)];
+        let bits = (design.code_bits < 16).then(|| {
+            format!(
+                "{} of 16: values saturate earlier; cells and speed are those of 16 bits",
+                design.code_bits
+            )
+        });
+        let board = [("code bits", bits), ("memory", traffic), ("latency", latency)];
         let board = board.into_iter().filter_map(|(what, text)| Some((what, text?)));
         calculator.into_iter().chain(board).collect()
     }

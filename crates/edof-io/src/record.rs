@@ -35,6 +35,9 @@ pub struct RawRecord {
     /// Columns and rows, where the file is video for a playout card ([`Packing::Video`]).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub video: Option<Size>,
+    /// Columns and rows, where the file is words without a header.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<Size>,
     /// Sensor value of no light.
     pub black_level: Black,
     /// Sensor value of full light, where that is not the end of its bits.
@@ -255,13 +258,16 @@ impl RawRecord {
             (camera.in_words(), recorded)
         });
         let name = |packing: &Packing| packing.name().to_owned();
-        let packing = differ(stated.packing.as_ref().map(name).as_ref(), &name(&Packing::Video));
+        let headerless = self.headerless();
+        let size = headerless.and_then(|(size, _)| differ(stated.size.as_ref(), &size));
+        let packing =
+            headerless.and_then(|(_, own)| differ(stated.packing.as_ref().map(name).as_ref(), &name(&own)));
         let found = [
             (Field::Phase, differ(stated.phase.as_ref(), &self.phase)),
             (Field::BitDepth, differ(stated.depth.as_ref(), &self.depth)),
             (Field::Alignment, differ(stated.alignment.as_ref(), &self.alignment)),
-            (Field::Size, self.video.and_then(|size| differ(stated.size.as_ref(), &size))),
-            (Field::Packing, self.video.and(packing)),
+            (Field::Size, size),
+            (Field::Packing, packing),
             (Field::BlackLevel, differ(stated.black_level.as_ref(), &self.black_level)),
             (Field::WhiteLevel, differ(stated.white_level.as_ref(), &white)),
             (Field::Tone, differ(stated.tone.as_ref(), &self.tone)),
@@ -282,6 +288,7 @@ impl RawRecord {
             depth: stated.depth.unwrap_or(self.depth),
             alignment: stated.alignment.unwrap_or(self.alignment),
             video: self.video.map(|size| stated.size.unwrap_or(size)),
+            size: self.size.map(|size| stated.size.unwrap_or(size)),
             black_level: stated.black_level.unwrap_or(self.black_level),
             white_level: stated.white_level.or(self.white_level),
             tone: stated.tone.unwrap_or(self.tone),
@@ -297,10 +304,15 @@ impl RawRecord {
             phase: self.phase,
             depth: Some(self.depth),
             alignment: Some(self.alignment),
-            size: self.video.or(given.size),
-            packing: self.video.map_or(given.packing, |_| Packing::Video),
+            size: self.headerless().map(|(size, _)| size).or(given.size),
+            packing: self.headerless().map_or(given.packing, |(_, packing)| packing),
             ..given
         }
+    }
+
+    /// Size and packing of a file without a header.
+    fn headerless(&self) -> Option<(Size, Packing)> {
+        self.video.map(|size| (size, Packing::Video)).or(self.size.map(|size| (size, Packing::Words)))
     }
 
     /// What darkness and full light are in the frame.
@@ -346,6 +358,7 @@ mod tests {
             depth: 12,
             alignment: raw::writer(&path).unwrap().alignment,
             video: None,
+            size: raw::of_ending(&path).filter(|format| format.is_headerless()).map(|_| Size::of(&frame)),
             black_level: Black::from(64),
             white_level: None,
             white_balance: Some(WhiteBalance::try_from([2.0, 1.0, 1.5]).unwrap()),
@@ -367,7 +380,7 @@ mod tests {
     fn a_frame_with_its_record_needs_no_option_in_any_format_or_phase() {
         let folder = tempfile::tempdir().unwrap();
         for phase in CfaPhase::ALL {
-            for ending in ["png", "tif", "pgm"] {
+            for ending in ["png", "tif", "pgm", "npy", "raw", "bin"] {
                 let (path, frame, record) = taken(folder.path(), &format!("frame.{ending}"), phase);
                 let found = load(&path).unwrap().record().unwrap();
                 assert_eq!(found, record);

@@ -3,7 +3,7 @@
 use crate::psf::{self, NoPsf, Psf, Settings, SettingsError, channel_psfs};
 use crate::scene::{Scene, SceneError};
 use crate::sensor::{Sensor, SensorError, expose};
-use edof_core::camera::Camera;
+use edof_core::camera::{Camera, centroid};
 use edof_core::{ColourFrame, RawFrame};
 use serde::Serialize;
 use std::time::Instant;
@@ -72,6 +72,8 @@ pub struct Kernel {
     pub wavelengths: usize,
     /// Share of the energy that the last refinement of the wavelengths moved.
     pub wavelength_error: f64,
+    /// Pixels to the right of the middle pixel, and down from it, by which the blur moves the picture.
+    pub centroid: [f64; 2],
 }
 
 /// What one approximation changes of the light on the sensor, and the time it saves; each against an exact computation.
@@ -249,6 +251,7 @@ fn kernel(psf: &Psf) -> Kernel {
         energy_beyond: psf.energy_beyond,
         wavelengths: psf.wavelengths_nm.len(),
         wavelength_error: psf.wavelength_error,
+        centroid: centroid(psf.kernel().view()),
     }
 }
 

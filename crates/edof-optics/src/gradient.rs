@@ -279,7 +279,12 @@ mod tests {
     #[test]
     fn psfs_that_no_mask_describes_are_rejected() {
         let mut camera = Camera::resolve("ring-outer").unwrap();
-        let own = edof_core::camera::PsfBank { file: "own.npz".into(), sha256: String::new(), kernels: None };
+        let own = edof_core::camera::PsfBank {
+            file: "own.npz".into(),
+            sha256: String::new(),
+            centre: false,
+            kernels: None,
+        };
         camera.psf_bank = Some(own);
         let error = psf_gradient(&camera, 0.0, &Settings::default()).unwrap_err();
         assert_eq!(

@@ -201,7 +201,8 @@ mod tests {
         let psfs = channel_psfs(&lens, 3.0, &Settings::default()).unwrap();
         let stack = bank::stacked(&[psfs.each_ref().map(|psf| psf.kernel())]).mapv(f64::from);
         let kernels = Kernels::new(vec![3.0], stack.view(), None).unwrap();
-        let own = PsfBank { file: "x".into(), sha256: String::new(), kernels: Some(kernels.into()) };
+        let own =
+            PsfBank { file: "x".into(), sha256: String::new(), centre: false, kernels: Some(kernels.into()) };
         let banked = Camera { psf_bank: Some(own), mask: Mask::default(), ..lens.clone() };
         for (channel, per_mm) in [(Channel::Red, 40.0), (Channel::Green, 90.0), (Channel::Blue, 120.0)] {
             let [lens, banked] =

@@ -13,6 +13,7 @@ use edof_network::network::{Form, Recurrence};
 use ndarray::Array2;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Windows that go through the float network at once.
 const BATCH: usize = 256;
@@ -61,26 +62,32 @@ impl Calibration {
         network: &Network,
         frames: impl IntoIterator<Item = &'a RawFrame>,
     ) -> Result<Self, GeometryError> {
-        Self::measure_while(network, frames, || ControlFlow::Continue(()))
+        Self::measure_while(network, frames, |_| ControlFlow::Continue(()))
     }
 
-    /// [`Calibration::measure`], cut short where `flow` breaks; it is asked every few hundred windows.
+    /// [`Calibration::measure`], cut short where `flow` breaks; it is told the number of frames done every few hundred windows.
     ///
     /// # Errors
     /// As [`Calibration::measure`].
     pub fn measure_while<'a>(
         network: &Network,
         frames: impl IntoIterator<Item = &'a RawFrame>,
-        flow: impl Fn() -> ControlFlow<()> + Sync,
+        flow: impl Fn(usize) -> ControlFlow<()> + Sync,
     ) -> Result<Self, GeometryError> {
+        let done = AtomicUsize::new(0);
+        let flow = || flow(done.load(Ordering::Relaxed));
         let weights = flatten(network);
         let geometry = Geometry::new(network.form.window, Stride::FINEST);
         let frames: Vec<&RawFrame> = frames.into_iter().collect();
         // In order, a few at a time: the same frames give the same sums.
         let mut all = Self::new(&network.form);
         for some in frames.chunks(FRAMES_AT_ONCE) {
-            let seen: Result<Vec<Self>, GeometryError> =
-                some.par_iter().map(|raw| Self::of_frame(network, &weights, geometry, raw, &flow)).collect();
+            let measured = |raw: &&RawFrame| {
+                let seen = Self::of_frame(network, &weights, geometry, raw, &flow);
+                done.fetch_add(1, Ordering::Relaxed);
+                seen
+            };
+            let seen: Result<Vec<Self>, GeometryError> = some.par_iter().map(measured).collect();
             all = seen?.iter().fold(all, Self::merged);
         }
         Ok(all)

@@ -28,7 +28,7 @@
 //! | | [`demo`] | one scene at four depths through several lenses |
 //! | | [`lens`] | MTF, contrast through focus, a sheet of PSFs |
 //! | tell | [`summary`] | averages, worst depths, what fixed point and 4:2:2 cost |
-//! | | [`tables`] | the same for a terminal, as Markdown and as a report |
+//! | | [`tables`] | the same for a terminal, as Markdown and as a report; in LaTeX with standard errors (`Study::to_latex`) |
 //! | | [`speed`] | what rows of one depth say together, and what the paper says |
 //! | | [`pictures`] | pictures of a scene of several depths, judged depth by depth |
 //! | | [`demo_report`] | the demo's verdict and its report |
@@ -48,6 +48,7 @@ pub mod knobs;
 pub mod known_blurs;
 pub mod kodak;
 pub mod labels;
+mod latex;
 pub mod lens;
 pub mod lens_networks;
 pub mod made;

@@ -21,12 +21,12 @@ BLACK = 0x8010
 class VideoSource:
     """Sends frames with separate syncs on `input_hs_i`, `input_vs_i`, `input_de_i` and `input_data_i`, the last one again and again.
 
-    `frames` are raw frames (rows x columns) of `depth` bits. The blanking is short: 16 pixels a line and 8 lines a frame.
+    `frames` are raw frames (rows x columns) of `bit_depth` bits. The blanking is short: 16 pixels a line and 8 lines a frame.
     """
 
-    def __init__(self, dut: Any, clock: Any, frames: Sequence[NDArray[np.uint16]], *, depth: int = 16) -> None:
+    def __init__(self, dut: Any, clock: Any, frames: Sequence[NDArray[np.uint16]], *, bit_depth: int = 16) -> None:
         self.dut, self.clock = dut, clock
-        self.pixels = [edof.cable_pixels(frame, depth=depth) for frame in frames]
+        self.pixels = [edof.cable_pixels(frame, bit_depth=bit_depth) for frame in frames]
 
     @staticmethod
     def cycles(rows: int, columns: int) -> int:

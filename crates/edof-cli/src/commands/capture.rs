@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::lens::{self, Depth, DepthRange, Lens};
 use crate::pictures;
+use crate::psf_bank::{self, BankOptions};
 use crate::said;
 use crate::ui::Ui;
 use edof::job::{
@@ -55,9 +56,8 @@ pub struct Args {
     #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
     camera: String,
 
-    /// PSF bank in place of the camera's computed PSFs: an NPZ, NPY or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
-    #[arg(long, value_name = "FILE")]
-    psf_bank: Option<PathBuf>,
+    #[command(flatten)]
+    bank: BankOptions,
 
     /// Encoding of pictures, the photograph's and those of --sharp and --light: srgb, or linear (the paper's convention: samples are
     /// linear light) [default: linear if the photograph's file states so (gAMA, cICP, ICC profile), else srgb]
@@ -191,6 +191,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     captured.inputs.iter().for_each(|input| ui.used(input.clone()));
     tell(&captured, &job.camera, ui)?;
     advice::note(&job.camera, job.sensor.noise, ui);
+    psf_bank::remark(&job.camera, ui);
     ui.json(&captured)
 }
 
@@ -198,7 +199,7 @@ impl Args {
     /// The job of these options, checked; nothing is read of it but the camera and a list of layers.
     fn job(&self, ui: &Ui) -> Result<CaptureJob, Error> {
         raw::writer(&self.out)?;
-        let Lens { camera, files } = lens::resolve(&self.camera, self.psf_bank.as_deref())?;
+        let Lens { camera, files } = lens::resolve(&self.camera, self.bank.file())?;
         let camera = self.drawing.before(camera)?;
         let listed = self.listed()?;
         self.files(listed.as_ref(), files, ui)?.check()?;
@@ -396,7 +397,8 @@ fn tell(captured: &Captured, camera: &Camera, ui: &Ui) -> Result<(), Error> {
 fn blur_in_words(kernel: &Kernel) -> String {
     let side = kernel.side;
     if kernel.wavelengths == 0 {
-        return format!("blur of {side}x{side} pixels from the PSF bank");
+        let offset = psf_bank::offset(kernel.centroid);
+        return format!("blur of {side}x{side} pixels from the PSF bank, centroid {offset}");
     }
     let wavelengths = match kernel.wavelengths {
         1 => "one wavelength".to_owned(),

@@ -54,7 +54,7 @@ const WAVEFORM_CYCLES: u64 = 300;
   edof cosim --design paper --weights paper-t4 --photo photo.png --patches 2000 --json result.json
   edof cosim --design tiny --cases all --patches 40
   edof cosim --design kc705 --weights edof-t4w12-outer --photo photo.png --psi 4 --noise 0.01
-  edof cosim --design paper --weights paper-t4 --rtl build/paper/rtl
+  edof cosim --design paper --weights paper-t4 --rtl build/paper
   edof cosim --design kc705 --weights edof-t4w12-outer --icarus --patches 5 --junit cosim.xml
   edof cosim --system --design tiny --window 12 --stride 4 --size 32x16 --display luma
   edof cosim --system --design tiny --size 32x16 --icarus
@@ -109,7 +109,7 @@ pub struct Args {
     #[arg(long)]
     icarus: bool,
 
-    /// Use the Verilog of this folder, written by edof generate and possibly changed since, instead of newly generated Verilog
+    /// Use the Verilog of this folder, written by edof generate (or rtl in it) and possibly changed since, instead of newly generated Verilog
     #[arg(long, value_name = "DIR")]
     rtl: Option<PathBuf>,
 

@@ -11,6 +11,7 @@ use crate::weights;
 use clap::builder::PossibleValuesParser;
 use edof_core::Stride;
 use edof_core::colour::OUTPUTS_422;
+use edof_core::words::number;
 use edof_cosim::promise::Promise;
 use edof_device::Design;
 use edof_device::board::Board;
@@ -21,7 +22,7 @@ use edof_hdl::resources;
 use edof_io::raw::Size;
 use edof_network::network::Form;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Make a design file, or check one: its speed and resources, and whether a network fits it
 ///
@@ -31,6 +32,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
   edof design new --form edof-t4w12 --size 1280x720 --clock-mhz 150 --out mine.json
   edof design new --weights mine.fixed.safetensors --multipliers 400 --out small.json
+  edof design new --form edof-t4w12 --fps 30 --out thrifty.json
   edof design check mine.json --weights mine.fixed.safetensors
   edof design check kc705 --json")]
 pub struct Args {
@@ -44,11 +46,13 @@ enum Task {
     Check(Check),
 }
 
-/// Write a design file: the folding that is fastest when no value is zero, within the multipliers and the board's FPGA
+/// Write a design file: the folding that is fastest when no value is zero, within the multipliers and the board's FPGA; with --fps the one
+/// with the fewest multipliers that is fast enough
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof design new --form edof-t4w12 --size 1280x720 --clock-mhz 150 --out mine.json
-  edof design new --weights mine.fixed.safetensors --multipliers 400 --out small.json")]
+  edof design new --weights mine.fixed.safetensors --multipliers 400 --out small.json
+  edof design new --form edof-t4w12 --fps 30 --out thrifty.json")]
 struct New {
     /// Architecture of its networks
     #[arg(long, value_parser = form::parse, long_help = form::help(), required_unless_present = "weights", conflicts_with = "weights")]
@@ -85,6 +89,10 @@ struct New {
     /// Largest number of multipliers [default: all of the board's, on the KC705 840 DSP48E1]
     #[arg(long, value_name = "N")]
     multipliers: Option<usize>,
+
+    /// Frames per second to reach when no value is zero, with as few multipliers as possible [default: as many as possible]
+    #[arg(long)]
+    fps: Option<f64>,
 }
 
 /// Check a design: its fields, its frames and clock on a board, and whether a network fits it
@@ -114,7 +122,18 @@ impl New {
     fn run(&self, ui: &Ui) -> Result<(), Error> {
         let files = Files::new(ui).reads_all(self.weights.as_deref().and_then(weights::fixed_file));
         files.writes_as(Kind::Design, "--out", &self.out).check()?;
-        let base = self.base()?;
+        let design = self.folded(&self.base()?)?;
+        let promise = Promise::of(&design).map_err(|e| self.of_options(&e))?;
+        save(&self.out, &design)?;
+        tell(&design, &promise, ui)?;
+        ui.json(&json!({ "design": design, "out": self.out.display().to_string(), "promise": promise }))
+    }
+
+    /// The folding that is asked for.
+    fn folded(&self, base: &Design) -> Result<Design, Error> {
+        if let Some(fps) = self.fps.filter(|fps| !(fps.is_finite() && *fps > 0.0)) {
+            return Err(Error::message(format!("--fps {}: must be more than 0", number(fps))));
+        }
         let pairs: Vec<f64> = base.stages().map(|stage| stage.inputs as f64).collect();
         let part = &base.board.part;
         let multipliers = self.multipliers.unwrap_or(part.cells.multipliers);
@@ -122,22 +141,26 @@ impl New {
             let used = resources::whole(design);
             used.multipliers <= multipliers && part.has(&used)
         };
-        let cycles = |design: &Design| estimate(design, None).cycles_per_patch;
-        let best =
-            foldings(&base, &pairs).into_iter().filter(fits).min_by(|a, b| cycles(a).total_cmp(&cycles(b)));
-        let design = best.ok_or_else(|| {
+        let fitting: Vec<Design> = foldings(base, &pairs).into_iter().filter(fits).collect();
+        let cycles = |design: &&Design| estimate(design, None).cycles_per_patch;
+        let fastest = fitting.iter().min_by(|a, b| cycles(a).total_cmp(&cycles(b))).ok_or_else(|| {
             Error::message(format!(
                 "--multipliers {multipliers}: no folding of this form has as few and fits an {}; allow more",
                 part.name
             ))
         })?;
-        let promise = Promise::of(&design).map_err(|e| self.of_options(&e))?;
-        edof_core::storage::atomic::write(
-            &self.out,
-            (serde_json::to_string_pretty(&design)? + "\n").as_bytes(),
-        )?;
-        tell(&design, &promise, ui)?;
-        ui.json(&json!({ "design": design, "out": self.out.display().to_string(), "promise": promise }))
+        let Some(fps) = self.fps else { return Ok(fastest.clone()) };
+        let frames = |design: &Design| estimate(design, None).frames_per_second;
+        // The cheapest come first.
+        fitting.iter().find(|design| frames(design) >= fps).cloned().ok_or_else(|| {
+            Error::message(format!(
+                "--fps {}: the fastest folding with at most {multipliers} multipliers makes {:.1} frames per second at {} MHz; \
+                 choose a smaller --form or --size, a higher --clock-mhz, or a larger --stride",
+                number(fps),
+                frames(fastest),
+                base.clock_mhz
+            ))
+        })
     }
 
     /// The design with one lane for as many outputs as may be, before it is folded.
@@ -170,7 +193,7 @@ impl New {
     /// What is wrong, by the option that says so.
     fn of_options(&self, error: &edof_device::design::DesignError) -> Error {
         let text = error.to_string();
-        let clock = edof_core::words::number(self.clock_mhz);
+        let clock = number(self.clock_mhz);
         match text.split([' ', ':']).next().unwrap_or_default() {
             "clock_mhz" => said::instead(&format!("--clock-mhz {clock}"), error),
             "frame" => said::instead(&format!("--size {}", self.size), error),
@@ -198,6 +221,12 @@ impl Check {
         }
         ui.json(&json!({ "design": design, "weights": self.weights, "promise": promise }))
     }
+}
+
+/// Writes a design file.
+pub fn save(path: &Path, design: &Design) -> Result<(), Error> {
+    let text = serde_json::to_string_pretty(design)? + "\n";
+    Ok(edof_core::storage::atomic::write(path, text.as_bytes())?)
 }
 
 fn tell(design: &Design, promise: &Promise, ui: &Ui) -> Result<(), Error> {

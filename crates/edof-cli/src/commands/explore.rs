@@ -4,7 +4,9 @@ use crate::designs;
 use crate::error::Error;
 use crate::files::{Files, Force};
 use crate::interrupt;
+use crate::kind::Kind;
 use crate::lens::Depth;
+use crate::said;
 use crate::ui::Ui;
 use crate::weights;
 use crate::windows::{self, Shot};
@@ -19,7 +21,7 @@ use edof_network::FixedNetwork;
 use edof_study::metrics::{BORDER, psnr, shown};
 use serde_json::json;
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Measure foldings of networks on pictures, and print those that are Pareto-optimal in quality, cycles, multipliers and block RAM
 ///
@@ -27,9 +29,22 @@ use std::path::PathBuf;
 /// Each network runs on every picture at every depth with its own camera. The number of values that each stage multiplies per patch
 /// then determines the cycles of a folding. A design sets clock and picture size; the board of the design sets the device.
 #[derive(clap::Args)]
+#[group(skip)]
 #[command(after_help = "Examples:
   edof explore --weights edof-t4w12-outer
-  edof explore --weights edof-t4w12,edof-t4w12-outer --photo a.png --psi 0,4,8 --fps 60")]
+  edof explore --weights edof-t4w12,edof-t4w12-outer --photo a.png --psi 0,4,8 --fps 60
+  edof explore --weights mine.fixed.safetensors --fps 30 --out mine.json")]
+pub struct Task {
+    #[command(flatten)]
+    measured: Args,
+
+    /// Design file to write: the first folding of the list, which is the best in dB and then has the fewest multipliers. It must reach --fps
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// What is measured.
+#[derive(clap::Args)]
 pub struct Args {
     /// Quantized networks, by name or file
     #[arg(long, value_name = "NAME|FILE,...", value_delimiter = ',', required = true)]
@@ -81,10 +96,20 @@ impl Found {
 
 /// # Errors
 /// A network, design or picture that cannot be used, or nothing that fits the device.
-pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    args.files(Files::new(ui)).keeps(args.force).check()?;
+pub fn run(task: Task, ui: &Ui) -> Result<(), Error> {
+    let Task { measured: args, out } = task;
+    let files = args.files(Files::new(ui));
+    let files = out.iter().fold(files, |files, out| files.writes_as(Kind::Design, "--out", out));
+    files.keeps(args.force).check()?;
     let (base, mut found) = args.found(ui)?;
     let fast = found.iter().any(|one| one.folding.frames >= args.fps);
+    if let Some(out) = out.as_ref().filter(|_| !fast) {
+        return Err(Error::message(format!(
+            "--out {}: no folding reaches --fps {}, so no design is written; state a lower --fps",
+            out.display(),
+            number(args.fps)
+        )));
+    }
     found.retain(|one| !fast || one.folding.frames >= args.fps);
     let kept = front(&found.iter().map(Found::figures).collect::<Vec<_>>());
     let mut kept: Vec<Found> =
@@ -116,6 +141,9 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
             number(args.fps),
             base.clock_mhz
         ))?;
+    }
+    if let (Some(out), Some(first)) = (&out, kept.first()) {
+        save(out, &first.folding, ui)?;
     }
     let told = |one: &Found| {
         json!({
@@ -199,6 +227,15 @@ impl Args {
             several => count(several, "photograph"),
         }
     }
+}
+
+/// Writes the design of a folding under the name of its file.
+fn save(out: &Path, folding: &Folding, ui: &Ui) -> Result<(), Error> {
+    let name = out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let design = Design { name, ..folding.design.clone() };
+    design.check().map_err(|e| said::of_file(out, e))?;
+    super::design::save(out, &design)?;
+    ui.say(format!("{}: written, {}", out.display(), folding.words))
 }
 
 /// All foldings of a network that fit the device.

@@ -9,10 +9,11 @@ use crate::error::Error;
 use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::lens::{self, Depth, DepthRange, Lens};
+use crate::psf_bank::{self, BankOptions};
 use crate::said;
 use crate::ui::Ui;
 use edof::job::Npz;
-use edof_core::camera::{Camera, Term};
+use edof_core::camera::{Camera, Term, centroid};
 use edof_core::words::number;
 use edof_core::{Channel, Tone};
 use edof_optics::Statistics;
@@ -47,9 +48,8 @@ pub struct Args {
     #[arg(default_value = "ring-outer", value_name = "CAMERA")]
     camera: String,
 
-    /// PSF bank in place of the camera's computed PSFs: an NPZ, NPY or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
-    #[arg(long, value_name = "FILE")]
-    psf_bank: Option<PathBuf>,
+    #[command(flatten)]
+    bank: BankOptions,
 
     /// Folder for the figures
     #[arg(long, value_name = "DIR", default_value = "out/optics")]
@@ -187,6 +187,7 @@ struct ShownDepth {
     kernel_side: [usize; 3],
     energy_kept: [f64; 3],
     energy_beyond: [f64; 3],
+    centroid: [[f64; 2]; 3],
     contrast_quarter_cutoff: [f64; 3],
 }
 
@@ -199,7 +200,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         Some(Subtask::Advise(args)) => return advise::run(args, ui),
         None => {}
     }
-    let Lens { camera, files } = lens::resolve(&args.camera, args.psf_bank.as_deref())?;
+    let Lens { camera, files } = lens::resolve(&args.camera, args.bank.file())?;
     Files::new(ui).reads_all(files).writes_into("--out", &args.out, FILES).check()?;
     ui.used(camera.input());
     let camera = args.before(camera)?;
@@ -234,6 +235,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
             d.psi, d.kernel_side
         ))?;
     }
+    psf_bank::list(&camera, ui)?;
     ui.json(&Shown { camera: camera.name, depths, files: files.map(|file| file.display().to_string()) })
 }
 
@@ -278,6 +280,7 @@ fn shown(camera: &Camera, psi: f64, psfs: &[Psf; 3]) -> Result<ShownDepth, NoPsf
         kernel_side: psfs.each_ref().map(Psf::side),
         energy_kept: psfs.each_ref().map(|p| p.energy_kept),
         energy_beyond: psfs.each_ref().map(|p| p.energy_beyond),
+        centroid: psfs.each_ref().map(|p| centroid(p.kernel().view())),
         contrast_quarter_cutoff: contrast[0],
     })
 }

@@ -27,6 +27,7 @@ use edof_quantize::{
 };
 use edof_train::dataset::{Dataset, DatasetOptions};
 use serde_json::{Value, json};
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
 /// Pixels at the border that do not count for the dB lost.
@@ -118,7 +119,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     drop(progress);
     interrupt::check()?;
     let frames = scenes.iter().map(|scene| &scene.raw);
-    let calibration = Calibration::measure_while(&network, frames, interrupt::flow)?;
+    let progress = ui.progress(scenes.len() as u64, "frames measured");
+    let calibration = Calibration::measure_while(&network, frames, |done| {
+        progress.set(done as u64);
+        interrupt::flow()
+    })?;
+    drop(progress);
     interrupt::check()?;
     let (fixed, mut layers) = quantize(&network, &options, &calibration, &hash)?;
     let mut fixed = match args.finetune {
@@ -135,7 +141,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     layers.iter_mut().zip(fixed.accumulator_bits()).for_each(|(layer, bits)| layer.accumulator_bits = bits);
     fixed.quantized = Some(quantized(&args, &network.origin, calibration.windows, ui));
     let golden = Golden::new(fixed)?;
-    let evaluation = judge(&network, &golden, &options, &scenes)?;
+    let evaluation = judge(&network, &golden, &options, &scenes, ui)?;
     weight_file::save_fixed(&out, golden.network())?;
     let errors = bounds::stage_errors(golden.network(), Some(&network));
     tell(ui, &layers, &evaluation)?;
@@ -210,9 +216,15 @@ fn judge(
     golden: &Golden,
     options: &QuantizeOptions,
     scenes: &[Scene<'_>],
+    ui: &Ui,
 ) -> Result<Evaluation, Error> {
+    let progress = ui.progress(2 * scenes.len() as u64, "pictures compared");
+    let compared = Cell::new(0);
     let float = FloatReconstructor::new(network.clone(), options.stride, options.overlap, Output::Ycc422)?;
     evaluate(&float, golden, scenes, |sharp, estimate| {
+        interrupt::check()?;
+        compared.set(compared.get() + 1);
+        progress.set(compared.get());
         Ok(edof_study::metrics::psnr(sharp, estimate, BORDER)?)
     })
 }

@@ -17,11 +17,13 @@
 //!
 //! Stable: the fields of camera files and PSF banks; new ones are optional. Signatures may change between minor versions until 1.0.
 
+mod centring;
 mod checks;
 mod file;
 mod mask;
 mod psf_bank;
 
+pub use centring::centroid;
 pub use mask::glass::etched_rad;
 pub use mask::height_map::HeightMapError;
 pub use mask::phase::{Change, Function, Parameter, PhaseTerm, Place, Symmetry, Wrong};

@@ -9,9 +9,11 @@
 //! | `psf` | depths × 3 × rows × columns | kernels of red, green and blue on the sensor's grid, the first row on top |
 //! | `pixel_pitch_um` | 1; may be missing | the grid's spacing, which must be the camera's |
 //!
-//! A kernel is the picture of a point that would fall on the pixel (rows/2, columns/2), counted from 0, if nothing blurred it. It may
-//! have any shape; only its own shape counts: each is scaled to sum 1. Zeros around it cost nothing.
+//! A kernel is the picture of a point that would fall on the pixel (rows/2, columns/2), counted from 0 and rounded down, if nothing blurred
+//! it. It may have any shape; only its own shape counts: each is scaled to sum 1. Zeros around it cost nothing. `"centre": true` shifts all
+//! kernels by one displacement ([`Kernels::centred`]).
 
+use super::centring::{centroid, shifted};
 use crate::storage::arrays::{self, ArraysError};
 use crate::storage::digest::sha256;
 use crate::words::{numbers, sides};
@@ -34,6 +36,9 @@ pub struct PsfBank {
     /// reading the bank fills it in.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub sha256: String,
+    /// Whether the kernels are read [`Kernels::centred`]; the SHA-256 is then that of the shifted kernels.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub centre: bool,
     /// The kernels; none until they were read.
     #[serde(skip)]
     pub kernels: Option<Arc<Kernels>>,
@@ -50,6 +55,7 @@ impl PartialEq for PsfBank {
 pub struct Kernels {
     psis: Vec<f64>,
     kernels: Vec<[Array2<f32>; 3]>,
+    edges: Vec<[f64; 3]>,
     pixel_pitch_um: Option<f64>,
 }
 
@@ -71,6 +77,11 @@ pub enum KernelsError {
         "psf at psi {psi}, {channel}: row {row}, column {column} is {value}, light is finite and never negative"
     )]
     Light { psi: f64, channel: &'static str, row: usize, column: usize, value: f64 },
+    /// Kernels in a file of one array, without depths.
+    #[error(
+        "psi is missing: an NPY file contains one array; {0}, or write both to one NPZ file by numpy.savez"
+    )]
+    NoPsi(String),
     /// A kernel of zeros.
     #[error("psf at psi {psi}, {channel}: all zero, expected a kernel that can be scaled to sum 1")]
     Dark { psi: f64, channel: &'static str },
@@ -123,7 +134,8 @@ impl Kernels {
                 Ok([kernel(0)?, kernel(1)?, kernel(2)?])
             };
         let kernels = psis.iter().zip(psf.outer_iter()).map(depth).collect::<Result<_, _>>()?;
-        Ok(Self { psis, kernels, pixel_pitch_um })
+        let edges = psf.outer_iter().map(|planes| [0, 1, 2].map(|c| edge(planes.index_axis(Axis(0), c))));
+        Ok(Self { edges: edges.collect(), psis, kernels, pixel_pitch_um })
     }
 
     /// From a file.
@@ -167,6 +179,30 @@ impl Kernels {
         &self.kernels[depth]
     }
 
+    /// Shares of the light of [`Kernels::at`] in the first and last rows and columns of the file's array: what a larger array would add.
+    #[must_use]
+    pub fn edges(&self, depth: usize) -> [f64; 3] {
+        self.edges[depth]
+    }
+
+    /// Mean of the centroids of all kernels: pixels to the right of the middle pixel, and down from it.
+    #[must_use]
+    pub fn mean_centroid(&self) -> [f64; 2] {
+        let all: Vec<[f64; 2]> =
+            self.kernels.iter().flatten().map(|kernel| centroid(kernel.view())).collect();
+        [0, 1].map(|axis| all.iter().map(|at| at[axis]).sum::<f64>() / all.len() as f64)
+    }
+
+    /// Shifts all kernels by one displacement, so that [`Kernels::mean_centroid`] is the middle pixel to a thousandth of a pixel.
+    /// Differences between depths and colours stay. Parts of a pixel are interpolated linearly, which blurs by at most half a pixel.
+    #[must_use]
+    pub fn centred(&self) -> Self {
+        let back = self.mean_centroid().map(|pixels| -(pixels * 1000.0).round() / 1000.0);
+        let moved = |kernel: &Array2<f32>| cut(shifted(kernel.view(), back).view(), 1.0);
+        let kernels = self.kernels.iter().map(|depth| depth.each_ref().map(moved)).collect();
+        Self { kernels, ..self.clone() }
+    }
+
     /// SHA-256 of ψ and kernels.
     #[must_use]
     pub fn sha256(&self) -> String {
@@ -189,36 +225,55 @@ fn kernel(plane: ArrayView2<f64>, psi: f64, channel: &'static str) -> Result<Arr
     if !(sum > 0.0 && sum.is_finite()) {
         return Err(KernelsError::Dark { psi, channel });
     }
-    let scale = if (sum - 1.0).abs() <= ONE { 1.0 } else { 1.0 / sum };
+    Ok(cut(plane, if (sum - 1.0).abs() <= ONE { 1.0 } else { 1.0 / sum }))
+}
+
+/// Share of the light in the first and last rows and columns.
+fn edge(plane: ArrayView2<f64>) -> f64 {
+    let (rows, columns) = plane.dim();
+    let is_outer = |(r, c): (usize, usize)| r == 0 || c == 0 || r + 1 == rows || c + 1 == columns;
+    plane.indexed_iter().filter(|(at, _)| is_outer(*at)).map(|(_, v)| v).sum::<f64>() / plane.sum()
+}
+
+/// A scaled plane without the zeros around it: the smallest square about its middle pixel.
+fn cut(plane: ArrayView2<f64>, scale: f64) -> Array2<f32> {
     let (middle_row, middle_column) = (plane.nrows() / 2, plane.ncols() / 2);
     let reach = |(r, c): (usize, usize)| r.abs_diff(middle_row).max(c.abs_diff(middle_column));
     let half = plane.indexed_iter().filter(|(_, v)| **v > 0.0).map(|(at, _)| reach(at)).max().unwrap_or(0);
     let side = 2 * half + 1;
     let source = |index: usize, middle: usize| (index + middle).checked_sub(half);
-    Ok(Array2::from_shape_fn((side, side), |(r, c)| {
+    Array2::from_shape_fn((side, side), |(r, c)| {
         let at = source(r, middle_row).zip(source(c, middle_column));
         at.and_then(|at| plane.get(at)).map_or(0.0, |v| (v * scale) as f32)
-    }))
+    })
 }
 
 /// The arrays of a file; of an NPY file, which holds one, the others from beside it: `lens-psi.npy` of `lens-psf.npy`.
-fn of_file_or_files(path: &Path) -> Result<BTreeMap<String, ArrayD<f64>>, ArraysError> {
+fn of_file_or_files(path: &Path) -> Result<BTreeMap<String, ArrayD<f64>>, BankError> {
     if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npy")) {
-        return arrays::read(path);
+        return Ok(arrays::read(path)?);
     }
+    let no_psi = |how| BankError::Kernels { path: path.to_owned(), source: KernelsError::NoPsi(how) };
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let Some((before, after)) = stem.rsplit_once("psf") else {
-        return Err(ArraysError::Container {
-            path: path.to_owned(),
-            reason: "it holds one array: name it …psf.npy and put …psi.npy beside it, or write both by numpy.savez"
-                .to_owned(),
-        });
+        arrays::read(path)?;
+        return Err(no_psi(format!(
+            "name it {stem}-psf.npy and put the depths into {stem}-psi.npy beside it"
+        )));
     };
     let mut all = BTreeMap::new();
     for array in ["psf", "psi", "pixel_pitch_um"] {
         let file = path.with_file_name(format!("{before}{array}{after}.npy"));
-        if array == "pixel_pitch_um" && !file.exists() {
-            continue;
+        if array != "psf" && !file.exists() {
+            match array {
+                "psi" => {
+                    return Err(no_psi(format!(
+                        "put the depths into {} beside it",
+                        file.file_name().unwrap_or_default().to_string_lossy()
+                    )));
+                }
+                _ => continue,
+            }
         }
         all.extend(arrays::read(&file)?.into_values().map(|values| (array.to_owned(), values)));
     }
@@ -233,6 +288,7 @@ impl PsfBank {
     pub fn read(&mut self, folder: &Path, camera: &str, pixel_pitch_um: f64) -> Result<(), BankError> {
         let path = folder.join(&self.file);
         let kernels = Kernels::load(&path)?;
+        let kernels = if self.centre { kernels.centred() } else { kernels };
         let (found, camera) = (kernels.sha256(), camera.to_owned());
         if !self.sha256.is_empty() && self.sha256 != found {
             return Err(BankError::Changed { path, camera, found, stated: self.sha256.clone() });
@@ -291,6 +347,44 @@ mod tests {
         assert_ne!(hash(&[0.0, 4.0], &one), hash(&[0.0, 5.0], &one));
         other[(1, 1, 2, 1)] = 0.1;
         assert_ne!(hash(&[0.0, 4.0], &one), hash(&[0.0, 4.0], &other));
+    }
+
+    #[test]
+    fn a_bank_is_centred_by_one_displacement_of_whole_and_part_pixels() {
+        let bank = kernels(&[0.0, 4.0], &arrays(7, 9)).unwrap();
+        // Of a kernel of 3 : n beside each other the centroid is n / (3 + n) pixels right of the first.
+        let expected = |n: f64| n / (3.0 + n);
+        let of = |kernel: &Array2<f32>| centroid(kernel.view());
+        assert!((of(&bank.at(1)[2])[0] - expected(4.0)).abs() < 1e-6);
+        let mean = [1.0, 2.0, 3.0, 2.0, 3.0, 4.0].map(expected).iter().sum::<f64>() / 6.0;
+        assert!((bank.mean_centroid()[0] - mean).abs() < 1e-6 && bank.mean_centroid()[1].abs() < 1e-9);
+        let centred = bank.centred();
+        assert!(centred.mean_centroid().iter().all(|pixels| pixels.abs() < 0.0006));
+        assert!(centred.kernels.iter().flatten().all(|kernel| (kernel.sum() - 1.0).abs() < 1e-6));
+        for (kernel, moved) in bank.kernels.iter().flatten().zip(centred.kernels.iter().flatten()) {
+            assert!(
+                (of(kernel)[0] - of(moved)[0] - mean).abs() < 0.0006,
+                "colours and depths keep their distances"
+            );
+        }
+        assert_ne!(bank.sha256(), centred.sha256());
+        assert_eq!(centred.centred().sha256(), centred.sha256(), "a centred bank stays");
+        // By whole pixels: the same kernels elsewhere in the array.
+        let mut moved = Array4::zeros((2, 3, 15, 17));
+        moved.slice_mut(ndarray::s![.., .., 1..8, 7..16]).assign(&arrays(7, 9));
+        let away = kernels(&[0.0, 4.0], &moved).unwrap();
+        assert!(
+            (away.mean_centroid()[0] - mean - 3.0).abs() < 1e-6
+                && (away.mean_centroid()[1] + 3.0).abs() < 1e-6
+        );
+        assert_eq!(away.centred().sha256(), centred.sha256());
+    }
+
+    #[test]
+    fn light_on_the_edge_of_an_array_is_known() {
+        let bank = kernels(&[0.0, 4.0], &arrays(3, 3)).unwrap();
+        assert!((bank.edges(1)[2] - 4.0 / 7.0).abs() < 1e-9 && (bank.edges(0)[0] - 0.25).abs() < 1e-9);
+        assert_eq!(kernels(&[0.0, 4.0], &arrays(5, 5)).unwrap().edges(1), [0.0; 3]);
     }
 
     #[test]

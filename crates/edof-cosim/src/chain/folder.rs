@@ -3,14 +3,15 @@
 use crate::error::{Error, at};
 use edof_hdl::project::Project;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// The same project with the files of `folder`: its top module's, and those of the modules that it stands on. Memory images stay.
+/// The same project with the files of `folder`: its top module's, and those of the modules that it stands on. Memory images stay. The folder
+/// may also be the one that `edof generate` wrote, whose Verilog is in `rtl`.
 ///
 /// # Errors
 /// The folder has no file of the top module, that module has not the ports of the project's, or a file cannot be read.
 pub fn with_verilog_of(project: Project, folder: &Path) -> Result<Project, Error> {
-    check(&project.top, folder)?;
+    let folder = &verilog_folder(&project.top, folder)?;
     let mut verilog: Vec<(String, String)> = vec![];
     let mut wanted = vec![project.top.clone()];
     while let Some(module) = wanted.pop() {
@@ -43,21 +44,17 @@ pub fn with_verilog_of(project: Project, folder: &Path) -> Result<Project, Error
     Ok(Project { verilog, sources, ..project })
 }
 
-/// Rejects a folder without the top module; most likely the user meant the folder that `edof generate` puts Verilog into.
-fn check(top: &str, folder: &Path) -> Result<(), Error> {
+/// Finds the folder of the top module: this one, or `rtl` in it.
+fn verilog_folder(top: &str, folder: &Path) -> Result<PathBuf, Error> {
     let file = format!("{top}.v");
-    if folder.join(&file).is_file() {
-        return Ok(());
-    }
-    let shown = folder.display();
-    let problem = if !folder.is_dir() {
-        "is no folder; expected the folder rtl of what 'edof generate' wrote".to_owned()
-    } else if folder.join("rtl").join(&file).is_file() {
-        format!("has no {file}; expected the folder rtl in it: give {shown}/rtl")
-    } else {
-        format!("has no {file}; expected the folder rtl of what 'edof generate' wrote for this design")
-    };
-    Err(Error::Port(format!("{shown}: {problem}")))
+    let found = [folder.to_owned(), folder.join("rtl")].into_iter().find(|place| place.join(&file).is_file());
+    found.ok_or_else(|| {
+        let problem = if folder.is_dir() { format!("has no {file}") } else { "is no folder".to_owned() };
+        Error::Port(format!(
+            "{}: {problem}; expected the folder that 'edof generate' wrote for this design, or rtl in it",
+            folder.display()
+        ))
+    })
 }
 
 fn is_module(folder: &Path, word: &str) -> bool {

@@ -78,6 +78,12 @@ impl RawFormat {
         self.endings.iter().any(|own| ending.eq_ignore_ascii_case(own))
     }
 
+    /// Returns whether files do not state their size.
+    #[must_use]
+    pub const fn is_headerless(&self) -> bool {
+        matches!(self.read, Read::Headerless(_))
+    }
+
     /// Returns whether files state phase, depth, levels and size, so that options for them have no effect.
     #[must_use]
     pub const fn states_everything(&self) -> bool {

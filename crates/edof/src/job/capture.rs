@@ -317,6 +317,7 @@ impl CaptureJob {
             depth: frame.depth(),
             alignment,
             video: None,
+            size: raw::of_ending(&self.outputs.raw).filter(|f| f.is_headerless()).map(|_| Size::of(frame)),
             black_level: self.sensor.black_level.into(),
             white_level: None,
             white_balance: None,
@@ -369,6 +370,7 @@ fn save_video(
         alignment: Alignment::Top,
         // No program reads a frame back from its greys.
         video: greys.is_none().then(|| Size::of(&sent)),
+        size: None,
         black_level: Black::default(),
         white_level: None,
         values,

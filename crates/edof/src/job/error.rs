@@ -68,7 +68,7 @@ pub enum JobError {
     #[error("{path}: {field} has no effect on {format}, which states it", path = path.display())]
     StatedByFile { path: PathBuf, field: Field, format: &'static str },
     /// The network was trained for another lens than took the frame.
-    #[error("network {}: trained for the camera {}, {} was taken by {}", .0.network, .0.trained.in_words(), .0.path.display(), .0.camera.in_words())]
+    #[error("network {}", .0.in_words("camera"))]
     OtherLens(Box<OtherLens>),
     /// The network was quantized for another stride.
     #[error("stride {}: the network {network} is quantized for a stride of {}", asked.pixels(), quantized.pixels())]

@@ -73,3 +73,20 @@ pub struct OtherLens {
     /// Tone of the picture.
     pub tone: Tone,
 }
+
+impl OtherLens {
+    /// States the network and how the two lenses differ; `option` is what states the camera where no record does.
+    #[must_use]
+    pub fn in_words(&self, option: &str) -> String {
+        let Self { path, network, trained, camera, is_recorded, .. } = self;
+        let (fields, by) = (trained.differences(camera).join(", "), camera.in_words());
+        let taken_by = match is_recorded {
+            true => format!("{} was taken by {by}", path.display()),
+            false => format!("{option} is {by}"),
+        };
+        let trained = trained.in_words();
+        format!(
+            "{network}: trained for the camera {trained}, but {taken_by}, another lens or mask (they differ in {fields})"
+        )
+    }
+}

@@ -21,21 +21,30 @@ pub struct Lens {
     pub files: Vec<PathBuf>,
 }
 
+/// A file of PSFs that takes the place of a camera's.
+#[derive(Debug, Clone, Copy)]
+pub struct BankFile<'a> {
+    /// The file.
+    pub path: &'a Path,
+    /// Whether its kernels are shifted to the middle pixel (`edof_core::camera::Kernels::centred`).
+    pub centre: bool,
+}
+
 /// A camera by name or file; `bank` takes the place of the PSFs that it has. Its range of ψ ends where its bank does.
 ///
 /// # Errors
 /// No such camera, or PSFs that cannot be used.
-pub fn resolve(name: &str, bank: Option<&Path>) -> Result<Lens, PresetError> {
+pub fn resolve(name: &str, bank: Option<BankFile>) -> Result<Lens, PresetError> {
     let mut files = vec![PathBuf::from(name)];
     let mut camera = self::camera(name)?;
     files.extend(camera.mask.height_maps().map(|map| folder(Path::new(name)).join(&map.file)));
     if let Some(own) = &camera.psf_bank {
         files.push(folder(Path::new(name)).join(&own.file));
     }
-    if let Some(path) = bank {
+    if let Some(BankFile { path, centre }) = bank {
         files.push(path.to_owned());
         let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let mut own = PsfBank { file, sha256: String::new(), kernels: None };
+        let mut own = PsfBank { file, sha256: String::new(), centre, kernels: None };
         own.read(folder(path), &camera.name, camera.pixel_pitch_um)?;
         camera.psf_bank = Some(own);
     }
@@ -82,7 +91,9 @@ pub fn read_mask(camera: &mut Camera, folder: &Path) -> Result<(), PresetError> 
 /// How to come by a network for a camera.
 #[must_use]
 pub fn how_to_train(camera: &Camera) -> String {
-    let bank = camera.psf_bank.as_ref().map(|bank| format!(" --psf-bank {}", bank.file)).unwrap_or_default();
+    let bank = camera.psf_bank.as_ref().map_or_else(String::new, |bank| {
+        format!(" --psf-bank {}{}", bank.file, if bank.centre { " --centre" } else { "" })
+    });
     let plain = Camera { psf_bank: None, ..camera.clone() };
     match Camera::resolve(&camera.name) {
         Ok(preset) if preset.same_lens(&plain) => {

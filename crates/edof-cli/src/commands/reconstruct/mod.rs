@@ -12,7 +12,6 @@ use crate::ui::Ui;
 use crate::weights;
 use edof::job::{Engine, ReconstructJob, Reconstructed, words_file};
 use edof_golden::Counts;
-use edof_io::picture::Format;
 use edof_io::record;
 use edof_network::fixed_network::layer_names;
 use serde_json::{Value, json};
@@ -61,8 +60,8 @@ struct Frame {
 fn frames(args: &Args) -> Result<Vec<Frame>, Error> {
     let several = args.raw.len() > 1;
     let ends_with_slash = args.out.as_os_str().as_encoded_bytes().ends_with(b"/");
-    let folder = several || ends_with_slash || args.out.is_dir();
-    if several && !args.out.is_dir() && Format::of_ending(&args.out).is_some() {
+    let folder = ends_with_slash || args.out.is_dir() || args.out.extension().is_none();
+    if several && !folder {
         return Err(Error::message(format!(
             "--out {}: {} frames need a folder, not a picture; name one, as in --out sharp/",
             args.out.display(),

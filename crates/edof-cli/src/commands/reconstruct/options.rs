@@ -2,7 +2,7 @@
 
 use super::Frame;
 use crate::error::Error;
-use crate::lens::{self, Lens};
+use crate::lens::{self, BankFile, Lens};
 use crate::said;
 use clap::ValueEnum;
 use edof::job::{Device, Engine, FixedOptions, FrameSource, ReconstructJob};
@@ -52,6 +52,10 @@ pub struct Args {
     /// PSF bank of the capture, as given to edof capture --psf-bank
     #[arg(long, value_name = "FILE", requires = "camera")]
     pub(super) psf_bank: Option<PathBuf>,
+
+    /// The PSF bank is shifted, as by edof capture --centre
+    #[arg(long, requires = "psf_bank")]
+    pub(super) centre: bool,
 
     /// Compute in the board's integers (the default)
     #[arg(long, conflicts_with = "float")]
@@ -148,7 +152,7 @@ pub struct Args {
     #[arg(long)]
     pub(super) force: bool,
 
-    /// Picture to write: .png, .tif, .tiff or .ppm; or a folder for PNG pictures with the names of their frames
+    /// Picture to write: .png, .tif, .tiff or .ppm; or a folder (no ending, or a slash) for PNG pictures with the names of their frames
     #[arg(long, value_name = "FILE|DIR")]
     pub(super) out: PathBuf,
 }
@@ -177,7 +181,8 @@ impl From<Gamma> for Curve {
 impl Args {
     /// The camera that the user states, if any.
     pub(super) fn stated_lens(&self) -> Result<Option<Lens>, Error> {
-        Ok(self.camera.as_deref().map(|name| lens::resolve(name, self.psf_bank.as_deref())).transpose()?)
+        let bank = self.psf_bank.as_deref().map(|path| BankFile { path, centre: self.centre });
+        Ok(self.camera.as_deref().map(|name| lens::resolve(name, bank)).transpose()?)
     }
 
     /// File of the board's codes beside a picture, if they are asked for.

@@ -3,7 +3,7 @@
 use super::options::Args;
 use crate::error::Error;
 use crate::{lens, weights};
-use edof::job::{FrameNote, JobError, OtherLens};
+use edof::job::{FrameNote, JobError};
 use edof_core::frame::FrameError;
 use edof_core::{CfaPhase, Channel, Tone};
 use edof_io::camera_raw::CameraRawError;
@@ -50,7 +50,7 @@ impl Wording<'_> {
                     Some(name) => format!("use --weights {name}"),
                     None => lens::how_to_train(&other.camera),
                 };
-                format!("{}; {instead}", other_lens(&other))
+                format!("--weights {}; {instead}", other.in_words("--camera"))
             }
             JobError::OtherStride { network, asked, quantized } => format!(
                 "--stride {asked}: {network} is quantized for a stride of {}; make one by 'edof quantize --stride {asked}', or use --float",
@@ -147,7 +147,9 @@ impl Wording<'_> {
                     others.join(" or ")
                 )
             }
-            FrameNote::OtherLens(other) => format!("{}; used nevertheless", other_lens(&other)),
+            FrameNote::OtherLens(other) => {
+                format!("--weights {}; used nevertheless", other.in_words("--camera"))
+            }
             FrameNote::OtherTone { path, network, camera, trained, tone } => {
                 let instead = match weights::trained_on(&camera, tone) {
                     Some(name) => format!("use --weights {name}"),
@@ -214,19 +216,6 @@ const fn option(field: Field) -> &'static str {
         Field::Tone => "--tone",
         Field::Camera => "--camera",
     }
-}
-
-fn other_lens(other: &OtherLens) -> String {
-    let OtherLens { path, network, trained, camera, is_recorded, .. } = other;
-    let fields = trained.differences(camera).join(", ");
-    let taken_by = match is_recorded {
-        true => format!("{} was taken by {}", path.display(), camera.in_words()),
-        false => format!("--camera is {}", camera.in_words()),
-    };
-    format!(
-        "--weights {network}: trained for the camera {}, but {taken_by}, another lens or mask (they differ in {fields})",
-        trained.in_words()
-    )
 }
 
 /// What a network loses on frames of a tone where it was trained on the other one, as measured with the program's own.

@@ -10,8 +10,10 @@ use crate::ui::Ui;
 use edof_core::{Noise, Tone};
 use edof_study::kodak::{Conditions, Kodak, Plan};
 use edof_study::setup::{Setup, setups};
+use edof_study::study_report::StudyReport;
 use edof_study::summary::Study;
 use edof_study::trial::usual_noise;
+use std::path::PathBuf;
 
 /// PSNR and SSIM on photographs, captured by each network's camera, reconstructed in float, in the board's format and in fixed point
 ///
@@ -28,7 +30,8 @@ Examples:
   edof study kodak --tone srgb --nets edof-t4w12-outer --noise sensor,sensor:gain=8 --markdown s.md
   edof study kodak --nets my-low+my-mid+my-high --markdown s.md
   edof study kodak --nets my/net.safetensors --photos train --psi 8
-  edof study kodak --nets edof-t4w12-outer --rows rows.jsonl --markdown study.md")]
+  edof study kodak --nets edof-t4w12-outer --rows rows.jsonl --markdown study.md
+  edof study kodak --nets edof-t4w12-outer --rows rows.jsonl --latex table.tex")]
 pub struct Args {
     #[command(flatten)]
     rows: MayKeepRows,
@@ -67,6 +70,10 @@ pub struct Args {
     #[command(flatten)]
     externals: Externals,
 
+    /// Also write the table as LaTeX (package booktabs), with standard errors over photographs
+    #[arg(long, value_name = "FILE")]
+    latex: Option<PathBuf>,
+
     #[command(flatten)]
     outputs: Outputs,
 
@@ -78,7 +85,7 @@ pub struct Args {
 /// Nothing found, a file that is broken, settings out of range, or Ctrl-C.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = nets::read(Files::new(ui), &args.nets).reads_pictures_of(args.photographs.folder.path()?);
-    args.rows.of(args.outputs.of(files)).check()?;
+    args.rows.of(args.outputs.of(files).may_write("--latex", args.latex.as_ref())).check()?;
     let stride = said::stride(args.stride)?;
     let (mut notes, mut loaded) = (vec![], vec![]);
     for name in &args.nets {
@@ -96,6 +103,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let plan = Plan { setups, conditions };
     let mut experiment = Kodak::new(&plan, &photos);
     let journal = measured(&mut experiment, args.rows.rows.as_ref(), &args.rows.part, ui)?;
+    if let Some(path) = &args.latex {
+        let study = Study::new(&journal.rows(), String::new())?;
+        let made = ui.made(journal.makers(), journal.file());
+        edof_core::storage::atomic::write(path, study.to_latex(&made).as_bytes())?;
+    }
     tell::<Study>(&journal, &args.outputs, ui)
 }
 

@@ -222,7 +222,7 @@ pub fn quantized(
     let scenes = capture(&pictures, &network.origin, |done| progress.set(done as u64))?;
     drop(progress);
     let frames = scenes.iter().map(|scene| &scene.raw);
-    let calibration = Calibration::measure_while(network, frames, interrupt::flow)?;
+    let calibration = Calibration::measure_while(network, frames, |_| interrupt::flow())?;
     interrupt::check()?;
     for &stride in strides {
         for &bits in bits {

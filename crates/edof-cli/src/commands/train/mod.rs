@@ -17,7 +17,7 @@ use crate::files::Files;
 use crate::kind::Kind;
 use crate::lens::{self, Lens};
 use crate::ui::Ui;
-use crate::{advice, interrupt, said, weights};
+use crate::{advice, interrupt, psf_bank, said, weights};
 use edof_core::storage::name;
 use edof_core::storage::provenance::{Input, Provenance};
 use edof_core::{Noise, Tone};
@@ -41,7 +41,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     let recipes = recipe::recipes(args, from.as_ref().map(|from| &from.network))?;
     let seeds: Vec<(Recipe, PathBuf)> =
         recipes.into_iter().map(|recipe| (recipe.clone(), args.checkpoint_file(recipe.seed))).collect();
-    let Lens { mut camera, files } = lens::resolve(&args.camera, args.psf_bank.as_deref())?;
+    let Lens { mut camera, files } = lens::resolve(&args.camera, args.bank.file())?;
     let files = Files::new(ui).reads_all(files).reads_all(args.from.as_deref().and_then(weights::float_file));
     let files =
         args.images.iter().fold(files, Files::reads_pictures_of).writes_as(Kind::Weights, "--out", &args.out);
@@ -68,6 +68,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     photographs::leave_out(&mut photographs, &args.leave_out)?;
     let photos: Vec<Input> = photographs.iter().map(|p| Input::photograph(&p.name(), &p.frame)).collect();
     photos.iter().for_each(|photo| ui.used(photo.clone()));
+    psf_bank::list(&camera, ui)?;
     let dataset = blurs::dataset(&photographs, &camera, recipe.dataset(&psis), &photos, !args.no_cache, ui)?;
     let mut results = Vec::new();
     for (recipe, file) in &seeds {

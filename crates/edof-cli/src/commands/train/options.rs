@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::files::Force;
 use crate::form;
 use crate::lens::{Depth, DepthRange};
+use crate::psf_bank::BankOptions;
 use crate::said::single;
 use clap::ValueEnum;
 use edof_core::Tone;
@@ -37,9 +38,8 @@ pub struct Args {
     #[arg(long)]
     pub(super) camera: String,
 
-    /// PSF bank in place of the camera's computed PSFs: an NPZ, NPY or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
-    #[arg(long, value_name = "FILE")]
-    pub(super) psf_bank: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) bank: BankOptions,
 
     /// Folder of photographs; repeatable [default: $EDOF_KODAK and $EDOF_MORE, else the study's and those
     /// in shared/data/more beside it]

@@ -161,8 +161,9 @@ pub(super) fn command(args: &Args, r: &Recipe) -> String {
     line.option("form", form::words(&r.form)).option("camera", &args.camera);
     line.option_if(
         "psf-bank",
-        args.psf_bank.as_deref().and_then(Path::file_name).map(Path::new).map(Path::display),
+        args.bank.psf_bank.as_deref().and_then(Path::file_name).map(Path::new).map(Path::display),
     );
+    line.flag_if("centre", args.bank.centre);
     line.option_if("psi", args.psi).option_if("photos", args.photos.as_ref());
     line.option_if("leave-out", Some(args.leave_out.join(",")).filter(|names| !names.is_empty()));
     line.option("depths", args.depths);

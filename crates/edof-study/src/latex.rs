@@ -1,0 +1,109 @@
+//! The table of photographs for a paper, in LaTeX: means over photographs, with their standard errors.
+
+use crate::made::Made;
+use crate::methods::method::{Format, Method};
+use crate::metrics::paired::Paired;
+use crate::summary::{Study, by_photo};
+use edof_core::Noise;
+
+impl Study {
+    /// Returns a table for the package booktabs: for each method, camera and noise the PSNR in dB at the farthest depth and averaged over
+    /// depths, as mean ± standard error over photographs.
+    #[must_use]
+    pub fn to_latex(&self, made: &Made) -> String {
+        let noises = self.summary.noises();
+        let subjects = self.summary.subjects();
+        let farthest = self.rows.iter().map(|row| row.psi).fold(f64::NEG_INFINITY, f64::max);
+        let shown = subjects.into_iter().filter(|subject| subject.0.format != Some(Format::Float422));
+        let rows = shown.map(|subject| {
+            let of = |noise: &Noise| [Some(farthest), None].map(|psi| self.cell(subject, *noise, psi));
+            let names = [subject.0.to_string(), subject.1.to_owned()].map(|name| escaped(&name));
+            line(names.into_iter().chain(noises.iter().flat_map(of)))
+        });
+        let groups =
+            noises.iter().map(|noise| format!("\\multicolumn{{2}}{{c}}{{{}}}", noise_in_latex(*noise)));
+        let depths = noises.iter().flat_map(|_| [format!("$\\psi = {farthest}$"), "average".to_owned()]);
+        let empty = || ["", ""].map(str::to_owned).into_iter();
+        let titles = ["method", "camera"].map(str::to_owned).into_iter();
+        let text = format!(
+            "{made}\nNeeds the package booktabs. PSNR in dB, mean and standard error over photographs."
+        );
+        let remarks: String = text.lines().map(|line| format!("% {line}\n")).collect();
+        format!(
+            "{remarks}\\begin{{tabular}}{{ll{}}}\n\\toprule\n{}{}\\midrule\n{}\\bottomrule\n\\end{{tabular}}\n",
+            "rr".repeat(noises.len()),
+            line(empty().chain(groups)),
+            line(titles.chain(depths)),
+            rows.collect::<String>(),
+        )
+    }
+
+    fn cell(&self, subject: (&Method, &str), noise: Noise, psi: Option<f64>) -> String {
+        let db: Vec<f64> = by_photo(&self.rows, subject, noise, psi).into_values().collect();
+        match Paired::of(&db) {
+            None => "--".to_owned(),
+            Some(Paired { mean, .. }) if mean.is_infinite() => "$\\infty$".to_owned(),
+            Some(Paired { mean, standard_error: Some(error), .. }) => format!("${mean:.2} \\pm {error:.2}$"),
+            Some(Paired { mean, .. }) => format!("${mean:.2}$"),
+        }
+    }
+}
+
+fn line(cells: impl Iterator<Item = String>) -> String {
+    cells.collect::<Vec<_>>().join(" & ") + " \\\\\n"
+}
+
+fn noise_in_latex(noise: Noise) -> String {
+    match noise {
+        Noise::Gaussian { sigma } => format!("$\\sigma = {sigma}$"),
+        noise => escaped(&crate::tables::noise_words(noise)),
+    }
+}
+
+/// Text without characters that LaTeX reads as commands.
+fn escaped(text: &str) -> String {
+    let escape = |letter: char| match letter {
+        '\\' => "\\textbackslash{}".to_owned(),
+        '~' => "\\textasciitilde{}".to_owned(),
+        '^' => "\\textasciicircum{}".to_owned(),
+        '&' | '%' | '$' | '#' | '_' | '{' | '}' => format!("\\{letter}"),
+        letter => letter.to_string(),
+    };
+    text.chars().map(escape).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::summary::tests::{net, row};
+
+    #[test]
+    fn a_cell_has_the_standard_error_over_photographs() {
+        let sigma = Noise::gaussian(0.01);
+        let float = net(Format::Float);
+        // At psi 8: 30, 32 and 37 dB, mean 33 and standard error √(13/3); averages over depths 32, 34 and 38: 34.67 and 1.76.
+        let study = Study::of(vec![
+            row(&Method::demosaic(), "p", 8.0, Noise::None, 29.0),
+            row(&float, "p", 0.0, sigma, 34.0),
+            row(&float, "p", 8.0, sigma, 30.0),
+            row(&float, "q", 0.0, sigma, 36.0),
+            row(&float, "q", 8.0, sigma, 32.0),
+            row(&float, "r", 0.0, sigma, 39.0),
+            row(&float, "r", 8.0, sigma, 37.0),
+        ]);
+        let latex = study.to_latex(&Made::by("edof study kodak"));
+        let expected = "\\begin{tabular}{llrrrr}\n\\toprule\n\
+             \x20&  & \\multicolumn{2}{c}{no noise} & \\multicolumn{2}{c}{$\\sigma = 0.01$} \\\\\n\
+             method & camera & $\\psi = 8$ & average & $\\psi = 8$ & average \\\\\n\\midrule\n\
+             demosaic-malvar & clear & $29.00$ & $29.00$ & -- & -- \\\\\n\
+             n.float & clear & -- & -- & $33.00 \\pm 2.08$ & $34.67 \\pm 1.76$ \\\\\n\
+             \\bottomrule\n\\end{tabular}\n";
+        assert!(latex.ends_with(expected), "{latex}");
+        assert!(latex.starts_with("% Made by `edof study kodak`"), "{latex}");
+    }
+
+    #[test]
+    fn names_cannot_become_commands() {
+        assert_eq!(escaped("a_b 50% \\x"), "a\\_b 50\\% \\textbackslash{}x");
+    }
+}
