@@ -56,11 +56,11 @@ impl Calibration {
     /// them, so nothing seen here saturates at any stride.
     ///
     /// # Errors
-    /// [`GeometryError`] for a frame too small for the network's window.
+    /// [`QuantizeError`] for a network of several exposures, or a frame too small for the network's window.
     pub fn measure<'a>(
         network: &Network,
         frames: impl IntoIterator<Item = &'a RawFrame>,
-    ) -> Result<Self, GeometryError> {
+    ) -> Result<Self, QuantizeError> {
         Self::measure_while(network, frames, || ControlFlow::Continue(()))
     }
 
@@ -72,7 +72,8 @@ impl Calibration {
         network: &Network,
         frames: impl IntoIterator<Item = &'a RawFrame>,
         flow: impl Fn() -> ControlFlow<()> + Sync,
-    ) -> Result<Self, GeometryError> {
+    ) -> Result<Self, QuantizeError> {
+        network.form.check_single()?;
         let weights = flatten(network);
         let geometry = Geometry::new(network.form.window, Stride::FINEST);
         let frames: Vec<&RawFrame> = frames.into_iter().collect();
@@ -220,6 +221,7 @@ mod tests {
             recurrence,
             linear_path: false,
             tied: false,
+            exposures: 1,
         }
     }
 

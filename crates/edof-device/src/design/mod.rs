@@ -194,6 +194,7 @@ impl Design {
     pub fn check(&self) -> Result<(), DesignError> {
         require("name", name::quoted(&self.name), name::is_plain(&self.name), name::PLAIN)?;
         self.form.check()?;
+        self.form.check_single()?;
         require(
             "clock_mhz",
             number(self.clock_mhz),
