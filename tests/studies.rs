@@ -531,7 +531,9 @@ fn masks_and_known_depths_are_compared_on_photographs_by_networks_of_their_own()
             network.linear_path = network.linear_path.map(|r| ndarray::concatenate![ndarray::Axis(1), r, r]);
         }
         network.origin.camera = Camera { psi_range, ..Camera::resolve(camera).unwrap() };
-        let [least_noise, noise] = [1.0, 10.0].map(Noise::sensor);
+        // Two exposures have half of the light each.
+        let frames = network.form.exposures as f64;
+        let [least_noise, noise] = [frames, 10.0 * frames].map(Noise::sensor);
         network.origin.conditions = vec![Condition { tone: Tone::Srgb, noise, least_noise }];
         network.origin.provenance.seed = Some(1);
         weight_file::save_network(&place.path(file), &network).unwrap();
