@@ -194,7 +194,12 @@ impl Design {
     pub fn check(&self) -> Result<(), DesignError> {
         require("name", name::quoted(&self.name), name::is_plain(&self.name), name::PLAIN)?;
         self.form.check()?;
-        self.form.check_single()?;
+        require(
+            "form.exposures",
+            self.form.exposures,
+            self.form.exposures == 1,
+            "1: hardware takes one raw frame",
+        )?;
         require(
             "clock_mhz",
             number(self.clock_mhz),

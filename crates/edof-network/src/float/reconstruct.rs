@@ -330,7 +330,7 @@ mod tests {
         assert_eq!(told(&single, &[&raw, &raw]), "nearest.float: got 2 raw frames of one scene, expected 1");
         assert_eq!(
             told(&double, &[&raw, &flat_raw(CfaPhase::Bggr)]),
-            "nearest.float: exposures are 28x20 RGGB and 28x20 BGGR, expected the same size and CFA phase"
+            "nearest.float: exposures are 28x20 rggb and 28x20 bggr, expected the same size and CFA phase"
         );
     }
 
