@@ -137,7 +137,7 @@ fn a_network_of_two_exposures_learns_from_both_and_states_its_foci() {
     run_to(&mut alone, GAINS);
     // Without the noise of shorter times, a second frame that is sharp where the first is not must help.
     let gain = trainer.state.best.db - alone.state.best.db;
-    assert!(gain > 0.5, "two exposures gain {gain} dB over one");
+    assert!(gain > 0.2, "two exposures gain {gain} dB over one");
     let network = trainer.best("double", &Camera::resolve("clear").unwrap(), Provenance::default());
     network.check().unwrap();
     assert_eq!(network.origin.further_foci, [4.0]);
