@@ -13,6 +13,7 @@
 #   aperture      docs/results/aperture.*: the coded lens against smaller apertures     (1 minute)
 #   aperture-networks  docs/results/aperture-networks.*: the same by networks; 24 short trainings, 2 minutes each, which target/trained keeps
 #   depth-known   docs/results/depth-known.*: what knowing the depth is worth; 10 short trainings, which target/trained keeps
+#   two-exposures docs/results/two-exposures.*: what two exposures of half the time are worth; 6 short trainings, which target/trained keeps
 #   masks         docs/results/masks.*: cubic masks against the clear lens at its best stop; 12 short trainings besides, which target/trained keeps
 #   colour        docs/results/colour.md: gain of the coded lens against the correlation of colours, of rows that are there  (1 minute)
 #   colour-scenes      the same with synthetic scenes of known saturation               (3 minutes)
@@ -35,7 +36,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
-parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture aperture-networks depth-known masks colour-scenes colour-training colour tolerances codes forms ablations classes joint one-noise bound layers figures"
+parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture aperture-networks depth-known two-exposures masks colour-scenes colour-training colour tolerances codes forms ablations classes joint one-noise bound layers figures"
 # shellcheck disable=SC2086 # parts are several words
 [ $# -gt 0 ] || set -- $parts
 for part in "$@"; do
@@ -197,7 +198,7 @@ short_network() {
     [ ! -e "$file" ] || return 0
     say "$file"
     # shellcheck disable=SC2046
-    "$edof" train --form edof-t4w12 --steps 8000 --seed "${seed:-1}" --leave-out "$held_back""$others" "$@" --name "$(basename "$file" .safetensors)" \
+    "$edof" train --form "${form:-edof-t4w12}" --steps "${steps:-8000}" --seed "${seed:-1}" --leave-out "$held_back""$others" "$@" --name "$(basename "$file" .safetensors)" \
         --out "$part" $(resume "$part") --force
     mv "$part" "$file"
 }
@@ -238,24 +239,28 @@ aperture_networks() {
 # Lenses are chosen by these photographs, so none of their networks is trained on them.
 validation=2,5,8,11,14,17,20,23
 
-# A page of lenses with networks of their own: lens_networks PAGE PSI,... ELECTRONS LINE..., each line LENS SEED [PSI] one short training, for all depths from
-# ψ 0 to 8 or for one. A lens is one of scripts/lens.py. Pages share their networks.
+# A page of lenses with networks of their own: lens_networks PAGE PSI,... ELECTRONS LINE..., each line LENS SEED [PSI | FOCUS,FOCUS] one short training, for all
+# depths from ψ 0 to 8, for one, or for all with an exposure at each focus. A lens is one of scripts/lens.py. Pages share their networks.
 lens_networks() {
-    local page=$1 psis=$2 electrons=$3 folder=$trained/lenses own=$trained/lenses/$1 line lens seed psi stops name gain depths
+    local page=$1 psis=$2 electrons=$3 folder=$trained/lenses${steps:+-$steps} line lens seed psi foci stops name form gain depths own
+    own=$folder/$page
     shift 3
     rm -rf "$own"
     mkdir -p "$own"
     for line in "$@"; do
         read -r lens seed psi <<<"$line"
-        name=$lens${psi:+-psi-$psi}-seed-$seed
+        foci=
+        [[ $psi != *,* ]] || { foci=$psi; psi=; }
+        name=$lens${psi:+-psi-$psi}${foci:+-foci-${foci//,/-}}-seed-$seed
+        form=edof-t4w12${foci:+,e2}
         python3 -B scripts/lens.py "$lens" 8 > "$folder/$lens.json"
         stops=${lens##*-}
         [[ $stops == [0-9]* ]] || stops=0
-        gain=$(awk -v stops="$stops" 'BEGIN { printf "%.9g:%.9g", 2 ^ stops, 10 * 2 ^ stops }')
+        gain=$(awk -v stops="$stops" -v exposures="${foci:+2}" 'BEGIN { least = 2 ^ stops * (exposures ? exposures : 1); printf "%.9g:%.9g", least, 10 * least }')
         depths=$(awk -v stops="$stops" -v psi="${psi:-0}" 'BEGIN { printf "--psi %.9g:%.9g --depths 1", psi / 2 ^ stops, psi / 2 ^ stops }')
         # shellcheck disable=SC2086 # depths are several words
-        seed=$seed short_network "$folder/$name.safetensors" "$(printf ',kodim%02d' ${validation//,/ })" --camera "$folder/$lens.json" --tone srgb \
-            --gain "$gain" --noiseless 1000000 --no-cache ${psi:+$depths}
+        seed=$seed form=$form short_network "$folder/$name.safetensors" "$(printf ',kodim%02d' ${validation//,/ })" --camera "$folder/$lens.json" --tone srgb \
+            --gain "$gain" --noiseless 1000000 --no-cache ${psi:+$depths} ${foci:+--focus $foci}
         ln "$folder/$name.safetensors" "$own"
     done
     # shellcheck disable=SC2046
@@ -269,6 +274,14 @@ depth_known() {
         "clear-0.5 1" "clear-0.5 1 4" "clear-0.5 1 8" \
         "cubic-2.3-0 1" "cubic-2.3-0 1 4" "cubic-2.3-0 1 8" \
         "ring-outer 1" "ring-outer 1 0" "ring-outer 1 4" "ring-outer 1 8"
+}
+
+# Two exposures of half the time behind the open lens, with foci at a quarter and three quarters of the range, against the best stop of one exposure. All of
+# these trainings are a quarter as long as those of other lenses.
+two_exposures() {
+    local seed lines=() steps=2000
+    for seed in 1 2 3; do lines+=("clear-0.5 $seed" "clear-0 $seed 2,6"); done
+    lens_networks two-exposures 0,2,4,6,8 10000,2500,1000 "${lines[@]}"
 }
 
 # Strength and stop were chosen by edof optics bound.

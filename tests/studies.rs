@@ -530,13 +530,21 @@ fn masks_and_known_depths_are_compared_on_photographs_by_networks_of_their_own()
     std::fs::create_dir(place.path("photos")).unwrap();
     place.photo("photos/p03.png", 64, 48);
     place.photo("photos/p06.png", 64, 48);
-    for folder in ["masks", "depth"] {
+    for folder in ["masks", "depth", "two"] {
         std::fs::create_dir(place.path(folder)).unwrap();
     }
     let save = |file: &str, camera: &str, psi_range: [f64; 2]| {
         let mut network = network();
+        if file.contains("exposures") {
+            network.form.exposures = 2;
+            network.origin.further_foci = vec![6.0];
+            network.analysis = ndarray::concatenate![ndarray::Axis(1), network.analysis, network.analysis];
+            network.linear_path = network.linear_path.map(|r| ndarray::concatenate![ndarray::Axis(1), r, r]);
+        }
         network.origin.camera = Camera { psi_range, ..Camera::resolve(camera).unwrap() };
-        let [least_noise, noise] = [1.0, 10.0].map(Noise::sensor);
+        // Two exposures have half of the light each.
+        let frames = network.form.exposures as f64;
+        let [least_noise, noise] = [frames, 10.0 * frames].map(Noise::sensor);
         network.origin.conditions = vec![Condition { tone: Tone::Srgb, noise, least_noise }];
         network.origin.provenance.seed = Some(1);
         weight_file::save_network(&place.path(file), &network).unwrap();
@@ -546,6 +554,8 @@ fn masks_and_known_depths_are_compared_on_photographs_by_networks_of_their_own()
         ("masks", "ring", "ring-outer", [0.0, 8.0]),
         ("depth", "clear", "clear-mid", [0.0, 8.0]),
         ("depth", "clear-8", "clear-mid", [8.0, 8.0]),
+        ("two", "clear", "clear-mid", [0.0, 8.0]),
+        ("two", "exposures", "clear-mid", [0.0, 8.0]),
     ] {
         save(&format!("{folder}/{name}.safetensors"), camera, range);
     }
@@ -569,6 +579,9 @@ fn masks_and_known_depths_are_compared_on_photographs_by_networks_of_their_own()
     // The depths 0 and 8 have the same kernels behind a clear lens that is focused at 4. The networks have the same weights.
     let run = place.edof(&format!("{line} depth")).done();
     assert!(run.out.contains("Knowing the depth gains +0.00 ± 0.00 dB at most (clear-mid, "), "{}", run.out);
+    let run = place.edof(&format!("{line} two --markdown two.md")).done();
+    assert!(run.out.contains("clear-mid, open, 2 exposures at foci 4, 6 minus one exposure"), "{}", run.out);
+    place.edof("quantize two/exposures.safetensors --out q").refused(&["exposures 2: must be 1 here"]);
     for (options, words) in [
         ("--networks photos", "--networks photos: has no weight files"),
         (

@@ -174,6 +174,7 @@ pub fn form() -> Form {
         recurrence: Recurrence::Direct,
         linear_path: true,
         tied: false,
+        exposures: 1,
     }
 }
 

@@ -50,7 +50,7 @@ const COMMANDS: [(&str, &[Group]); 14] = [
         "train",
         &[
             ("Network", "form from only structure start out name force"),
-            ("Lens and depth", "camera psf-bank centre depths psi"),
+            ("Lens and depth", "camera psf-bank centre depths psi focus"),
             ("Photographs", "images photos leave-out variants saturation hue scale"),
             ("Light and noise", "tone noise gain noiseless flat exposure"),
             ("Sparsity", "lambda non-zeros budget-rate"),

@@ -3,7 +3,9 @@
 use crate::frame::{ColourFrame, RawFrame};
 use crate::geometry::GeometryError;
 use crate::tone::Tone;
+use crate::words::count;
 use serde::Serialize;
+use std::borrow::Cow;
 use std::time::Instant;
 
 /// What a method made of a raw frame, and what it cost.
@@ -48,9 +50,20 @@ pub enum ReconstructError {
     /// Odd or too small.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
+    /// Too few or too many frames.
+    #[error("{method}: got {} of one scene, expected {expected}", count(*.found, "raw frame"))]
+    Exposures { method: String, found: usize, expected: usize },
     /// Anything else, in one line.
     #[error("{method}: {reason}")]
     Method { method: String, reason: String },
+}
+
+impl ReconstructError {
+    /// Too few or too many frames of a scene.
+    #[must_use]
+    pub fn exposures(method: &str, found: usize, expected: usize) -> Self {
+        Self::Exposures { method: method.to_owned(), found, expected }
+    }
 }
 
 impl Reconstruction {
@@ -63,8 +76,20 @@ impl Reconstruction {
         raw: &RawFrame,
         run: impl FnOnce(&RawFrame) -> Result<Self, E>,
     ) -> Result<Self, E> {
+        Self::through_exposures(values, &[raw], |encoded| run(&encoded[0]))
+    }
+
+    /// The same for several frames of one scene.
+    ///
+    /// # Errors
+    /// Those of `run`.
+    pub fn through_exposures<E>(
+        values: Tone,
+        raws: &[&RawFrame],
+        run: impl FnOnce(&[Cow<'_, RawFrame>]) -> Result<Self, E>,
+    ) -> Result<Self, E> {
         let start = Instant::now();
-        let encoded = raw.encoded(values);
+        let encoded: Vec<Cow<'_, RawFrame>> = raws.iter().map(|raw| raw.encoded(values)).collect();
         let before = start.elapsed().as_secs_f64();
         let mut made = run(&encoded)?;
         let start = Instant::now();
@@ -84,4 +109,15 @@ pub trait Reconstructor: Sync {
     /// # Errors
     /// [`ReconstructError`] for frames of sides that the method cannot take.
     fn reconstruct(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError>;
+
+    /// Reconstructs a scene from its exposures; one, unless the method is a network of several.
+    ///
+    /// # Errors
+    /// As [`Reconstructor::reconstruct`], and [`ReconstructError::Exposures`].
+    fn reconstruct_exposures(&self, raws: &[&RawFrame]) -> Result<Reconstruction, ReconstructError> {
+        match raws {
+            [raw] => self.reconstruct(raw),
+            _ => Err(ReconstructError::exposures(self.name(), raws.len(), 1)),
+        }
+    }
 }

@@ -37,6 +37,7 @@ impl Small {
             recurrence: self.recurrence,
             linear_path: self.linear_path,
             tied: self.tied,
+            exposures: 1,
         };
         let design = design(form, self.bits, self.stages);
         design.check().unwrap();
@@ -73,6 +74,7 @@ fn random_design(draw: &mut Draw, layers: usize) -> Design {
             recurrence: [Direct, Difference][draw.whole(0, 1) as usize],
             linear_path: draw.whole(0, 1) == 1,
             tied: draw.whole(0, 3) == 0,
+            exposures: 1,
         };
         let last = form.layers - 1;
         let stages: Vec<_> = (0..=last)

@@ -111,6 +111,7 @@ pub fn natural(window: usize, stride: usize, seed: u64) -> FixedNetwork {
         recurrence: Recurrence::Direct,
         linear_path: true,
         tied: false,
+        exposures: 1,
     };
     let pixels = window.pixels();
     let analysis = Array2::from_shape_fn((form.codes, pixels), |(row, column)| {
@@ -199,6 +200,7 @@ pub fn silent(camera: Camera) -> Network {
         recurrence: Recurrence::Direct,
         linear_path: false,
         tied: false,
+        exposures: 1,
     };
     Network {
         form,

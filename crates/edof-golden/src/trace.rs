@@ -135,7 +135,16 @@ mod tests {
     fn network(linear_path: bool) -> FixedNetwork {
         let window = Window::new(8).unwrap();
         let (shrinkage, recurrence) = (Shrinkage::OneSided, Recurrence::Direct);
-        let form = Form { window, codes: 10, layers: 4, shrinkage, recurrence, linear_path, tied: false };
+        let form = Form {
+            window,
+            codes: 10,
+            layers: 4,
+            shrinkage,
+            recurrence,
+            linear_path,
+            tied: false,
+            exposures: 1,
+        };
         edof_device::random::extreme(form, 16, Stride::PATCH, false, 1)
     }
 

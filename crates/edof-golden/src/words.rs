@@ -82,6 +82,7 @@ mod tests {
             recurrence: Recurrence::Difference,
             linear_path: true,
             tied: false,
+            exposures: 1,
         };
         let network = edof_device::random::extreme(form, 12, Stride::new(4).unwrap(), false, 4);
         let values = Array2::from_shape_fn((14, 18), |(r, c)| (r * 2003 + c * 331) as u16);

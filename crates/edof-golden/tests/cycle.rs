@@ -62,6 +62,7 @@ fn designs() -> impl Strategy<Value = Design> {
                     recurrence: if difference { Recurrence::Difference } else { Recurrence::Direct },
                     linear_path,
                     tied: seed.is_multiple_of(3),
+                    exposures: 1,
                 },
                 code_bits: bits,
                 accumulator_bits: 48,

@@ -24,6 +24,7 @@ const fn form(
         recurrence: if difference { Recurrence::Difference } else { Recurrence::Direct },
         linear_path,
         tied: false,
+        exposures: 1,
     }
 }
 

@@ -24,6 +24,7 @@ fn forms() -> impl Strategy<Value = Form> {
             recurrence: if difference { Recurrence::Difference } else { Recurrence::Direct },
             linear_path,
             tied,
+            exposures: 1,
         },
     )
 }
@@ -89,6 +90,7 @@ fn words_that_are_all_at_one_end_are_the_same() {
             recurrence: Recurrence::Difference,
             linear_path: true,
             tied: false,
+            exposures: 1,
         };
         let mut network = edof_device::random::extreme(form, bits, Stride::PATCH, false, 1);
         let min = -1i16 << (bits - 1);

@@ -34,6 +34,7 @@ impl GpuFloat {
     /// [`GpuError`] for matrices that do not fit their form, or what the driver says.
     pub fn new(device: Device, network: Network, stride: Stride, overlap: Overlap) -> Result<Self, GpuError> {
         network.check()?;
+        network.form.check_single()?;
         let geometry = Geometry::new(network.form.window, stride);
         let averaging: Vec<f32> = overlap.weights(stride).iter().map(|weight| *weight as f32).collect();
         let engine = Engine::new(device, &matrices(&network), geometry, &averaging)?;

@@ -26,6 +26,7 @@ fn forms() -> impl Iterator<Item = Form> {
         recurrence: if i / 2 % 2 == 0 { Recurrence::Direct } else { Recurrence::Difference },
         linear_path: i % 3 != 1,
         tied: i / 4 == 1,
+        exposures: 1,
     })
 }
 

@@ -212,6 +212,7 @@ impl FixedNetwork {
     pub fn check(&self) -> Result<(), FixedNetworkError> {
         let form = &self.form;
         form.check()?;
+        form.check_single()?;
         if !(8..=16).contains(&self.code_bits) {
             return Err(FixedNetworkError::CodeBits(self.code_bits));
         }

@@ -9,7 +9,7 @@ pub fn help() -> String {
     let shrinkages: Vec<&str> = Shrinkage::ALL.iter().rev().map(|shrinkage| shrinkage.name()).collect();
     format!(
         "paper-t4 or edof-t4w12, or words from the left: {}, w8 | w12 | w16 (window), t2…t10 (layers), c1…c1024 (codes), \
-         r (linear path), tied, difference",
+         r (linear path), tied, difference, e1…e4 (exposures: raw frames at one focus each, see edof train --focus)",
         shrinkages.join(" | ")
     )
 }
@@ -32,6 +32,7 @@ pub fn parse(text: &str) -> Result<Form, String> {
         recurrence: Recurrence::Direct,
         linear_path: false,
         tied: false,
+        exposures: 1,
     };
     let mut given: Vec<&str> = vec![];
     for word in text.split(',').map(str::trim) {
@@ -68,11 +69,12 @@ fn apply(form: &mut Form, word: &str) -> Result<(), String> {
         "r" => form.linear_path = true,
         "tied" => form.tied = true,
         "difference" => form.recurrence = Recurrence::Difference,
-        _ => match (shrinkage(word), number('w'), number('t'), number('c')) {
+        _ => match (shrinkage(word), number('w'), number('t'), number('c'), number('e')) {
             (Some(shrinkage), ..) => form.shrinkage = shrinkage,
             (_, Some(side), ..) => form.window = Window::new(side).map_err(|e| e.to_string())?,
-            (.., Some(layers), _) => form.layers = layers,
-            (.., Some(codes)) => form.codes = codes,
+            (.., Some(layers), _, _) => form.layers = layers,
+            (.., Some(codes), _) => form.codes = codes,
+            (.., Some(exposures)) => form.exposures = exposures,
             _ => return Err(format!("unknown keyword '{word}', expected {}", help())),
         },
     }
@@ -93,6 +95,7 @@ pub fn words(form: &Form) -> String {
         (form.tied, "tied"),
         (form.recurrence == Recurrence::Difference, "difference"),
     ];
+    words.extend((form.exposures != 1).then(|| format!("e{}", form.exposures)));
     words.extend(flags.iter().filter(|(on, _)| *on).map(|(_, word)| (*word).to_owned()));
     words.join(",")
 }
@@ -104,7 +107,7 @@ mod tests {
     #[test]
     fn words_come_back() {
         for text in
-            ["two-sided,w8,t4,c192", "one-sided,w12,t4,c192,r,tied", "one-sided,w16,t10,c64,difference"]
+            ["two-sided,w8,t4,c192", "one-sided,w12,t4,c192,e2,r,tied", "one-sided,w16,t10,c64,difference"]
         {
             assert_eq!(words(&parse(text).unwrap()), text);
         }
@@ -115,6 +118,7 @@ mod tests {
     fn a_form_that_no_network_has_is_rejected() {
         assert_eq!(parse("w9").unwrap_err(), "window 9: must be 8, 12 or 16");
         assert_eq!(parse("t11").unwrap_err(), "layers 11: must be 2 to 10");
+        assert_eq!(parse("e5").unwrap_err(), "exposures 5: must be 1 to 4");
         assert_eq!(
             parse("c8,t2,c16").unwrap_err(),
             "keywords 'c8' and 'c16' set the same thing; leave one out"

@@ -7,6 +7,8 @@
 //! b_{t+1} = b_t + S_t (z_t − z_{t−1}), z_0 = 0               (difference)
 //! x       = D z_{T−1} + R y       F layer, R where the form has a linear path
 //! ```
+//!
+//! y is a raw window. A form of several exposures sees the same window of as many raw frames: y is one after the other.
 
 pub use crate::shrinkage::Shrinkage;
 use edof_core::camera::Camera;
@@ -46,6 +48,18 @@ pub struct Form {
     pub linear_path: bool,
     /// Whether all M layers share one S.
     pub tied: bool,
+    /// Raw frames of the scene that it sees, each with its share of the exposure time and its own focus. Integers have one ([`Form::check_single`]).
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub exposures: usize,
+}
+
+const fn one() -> usize {
+    1
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+const fn is_one(count: &usize) -> bool {
+    *count == 1
 }
 
 /// A form that no network has, or matrices that do not fit their form.
@@ -58,6 +72,15 @@ pub enum NetworkError {
     /// Length of the sparse code out of range.
     #[error("codes {0}: must be 1 to 1024")]
     Codes(usize),
+    /// Number of raw frames out of range.
+    #[error("exposures {0}: must be 1 to {MAX_EXPOSURES}")]
+    Exposures(usize),
+    /// Several raw frames where only one is taken.
+    #[error("exposures {0}: must be 1 here; only the float network on the CPU takes several raw frames")]
+    Several(usize),
+    /// Foci that are not one for each exposure.
+    #[error("further_foci: {found} given, a form of exposures {exposures} has {}", exposures - 1)]
+    Foci { found: usize, exposures: usize },
     /// Wrong number of matrices or thresholds.
     #[error("{what}: {found} given, this form has {expected}")]
     Count { what: &'static str, found: usize, expected: usize },
@@ -72,9 +95,12 @@ pub enum NetworkError {
     NegativeThreshold { shrinkage: Shrinkage, value: f32 },
 }
 
+/// Most raw frames of one network.
+pub const MAX_EXPOSURES: usize = 4;
+
 impl Form {
     /// # Errors
-    /// [`NetworkError::Layers`] or [`NetworkError::Codes`].
+    /// [`NetworkError::Layers`], [`NetworkError::Codes`] or [`NetworkError::Exposures`].
     pub const fn check(&self) -> Result<(), NetworkError> {
         if self.layers < 2 || self.layers > 10 {
             return Err(NetworkError::Layers(self.layers));
@@ -82,16 +108,33 @@ impl Form {
         if self.codes == 0 || self.codes > 1024 {
             return Err(NetworkError::Codes(self.codes));
         }
+        if self.exposures == 0 || self.exposures > MAX_EXPOSURES {
+            return Err(NetworkError::Exposures(self.exposures));
+        }
         Ok(())
     }
 
+    /// Rejects what integers, hardware and OpenCL do not have: several raw frames.
+    ///
+    /// # Errors
+    /// [`NetworkError::Several`].
+    pub const fn check_single(&self) -> Result<(), NetworkError> {
+        if self.exposures == 1 { Ok(()) } else { Err(NetworkError::Several(self.exposures)) }
+    }
+
+    /// Values that go in: the pixels of the windows of all exposures, one window after the other.
+    #[must_use]
+    pub const fn inputs(&self) -> usize {
+        self.exposures * self.window.pixels()
+    }
+
     /// Multiplications that one window takes if every weight is multiplied, for an F of `outputs` rows (128 in the board's 4:2:2,
-    /// 192 in RGB): codes·pixels + (T − 2)·codes² + outputs·codes, + outputs·pixels where R is used.
+    /// 192 in RGB): codes·inputs + (T − 2)·codes² + outputs·codes, + outputs·inputs where R is used.
     #[must_use]
     pub const fn dense_multiplications(&self, outputs: usize) -> u64 {
-        let linear = if self.linear_path { outputs * self.window.pixels() } else { 0 };
+        let linear = if self.linear_path { outputs * self.inputs() } else { 0 };
         let middle = self.middle_layers() * self.codes * self.codes;
-        (self.codes * self.window.pixels() + middle + outputs * self.codes + linear) as u64
+        (self.codes * self.inputs() + middle + outputs * self.codes + linear) as u64
     }
 
     /// M layers: T − 2.
@@ -124,7 +167,7 @@ impl Form {
 pub struct Network {
     /// Form of the network.
     pub form: Form,
-    /// A: codes × window pixels.
+    /// A: codes × inputs.
     pub analysis: Array2<f32>,
     /// θ_t: one vector of length codes a soft threshold.
     pub thresholds: Vec<Array1<f32>>,
@@ -132,7 +175,7 @@ pub struct Network {
     pub recurrent: Vec<Array2<f32>>,
     /// D: 192 × codes, RGB.
     pub dictionary: Array2<f32>,
-    /// R: 192 × window pixels, RGB.
+    /// R: 192 × inputs, RGB.
     pub linear_path: Option<Array2<f32>>,
     /// How it was made.
     pub origin: Origin,
@@ -146,6 +189,9 @@ pub struct Origin {
     pub name: String,
     /// Camera it was trained for; its `psi_range` is the range of depths.
     pub camera: Camera,
+    /// Foci in ψ of the exposures after the first, which has the camera's focus.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub further_foci: Vec<f64>,
     /// Light and noise it was trained for: each tone convention, with the most noise of it.
     pub conditions: Vec<Condition>,
     /// What the values stand for that it takes and gives: light, or light encoded in a tone. Frames hold light, so they are encoded before
@@ -194,12 +240,19 @@ impl Origin {
         self.conditions.iter().map(sigma).fold(0.0, f64::max)
     }
 
+    /// Returns the camera of each exposure: they differ in their focus.
+    #[must_use]
+    pub fn cameras(&self) -> Vec<Camera> {
+        self.camera.focused_at(&self.further_foci)
+    }
+
     /// Record of an untrained network, random or written by hand, for linear light without noise.
     #[must_use]
     pub fn untrained(name: &str, camera: Camera) -> Self {
         Self {
             name: name.to_owned(),
             camera,
+            further_foci: vec![],
             conditions: vec![Condition { tone: Tone::Linear, noise: Noise::None, least_noise: Noise::None }],
             values: Tone::Linear,
             patches: 0,
@@ -216,11 +269,15 @@ impl Network {
     pub fn check(&self) -> Result<(), NetworkError> {
         let form = &self.form;
         form.check()?;
-        let (codes, pixels) = (form.codes, form.window.pixels());
+        let (codes, inputs) = (form.codes, form.inputs());
+        let further = self.origin.further_foci.len();
+        if further + 1 != form.exposures {
+            return Err(NetworkError::Foci { found: further, exposures: form.exposures });
+        }
         check_count("thresholds", self.thresholds.len(), form.shrinkages())?;
         check_count("recurrent", self.recurrent.len(), form.recurrent_matrices())?;
         check_count("linear_path", self.linear_path.iter().count(), usize::from(form.linear_path))?;
-        check_shape("analysis", self.analysis.dim(), (codes, pixels))?;
+        check_shape("analysis", self.analysis.dim(), (codes, inputs))?;
         for theta in &self.thresholds {
             check_shape("thresholds", (theta.len(), 1), (codes, 1))?;
             check_finite("thresholds", theta.iter())?;
@@ -236,7 +293,7 @@ impl Network {
         }
         check_shape("dictionary", self.dictionary.dim(), (RGB_OUTPUTS, codes))?;
         if let Some(r) = &self.linear_path {
-            check_shape("linear_path", r.dim(), (RGB_OUTPUTS, pixels))?;
+            check_shape("linear_path", r.dim(), (RGB_OUTPUTS, inputs))?;
             check_finite("linear_path", r.iter())?;
         }
         check_finite("analysis", self.analysis.iter())?;

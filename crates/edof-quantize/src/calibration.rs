@@ -57,11 +57,11 @@ impl Calibration {
     /// them, so nothing seen here saturates at any stride.
     ///
     /// # Errors
-    /// [`GeometryError`] for a frame too small for the network's window.
+    /// [`QuantizeError`] for a network of several exposures, or a frame too small for the network's window.
     pub fn measure<'a>(
         network: &Network,
         frames: impl IntoIterator<Item = &'a RawFrame>,
-    ) -> Result<Self, GeometryError> {
+    ) -> Result<Self, QuantizeError> {
         Self::measure_while(network, frames, |_| ControlFlow::Continue(()))
     }
 
@@ -73,7 +73,8 @@ impl Calibration {
         network: &Network,
         frames: impl IntoIterator<Item = &'a RawFrame>,
         flow: impl Fn(usize) -> ControlFlow<()> + Sync,
-    ) -> Result<Self, GeometryError> {
+    ) -> Result<Self, QuantizeError> {
+        network.form.check_single()?;
         let done = AtomicUsize::new(0);
         let flow = || flow(done.load(Ordering::Relaxed));
         let weights = flatten(network);
@@ -227,6 +228,7 @@ mod tests {
             recurrence,
             linear_path: false,
             tied: false,
+            exposures: 1,
         }
     }
 

@@ -134,7 +134,7 @@ impl<'a> Tuner<'a> {
         let share = tuning.batch.div_ceil(PARTS);
         let part = |_| Part {
             pass: Simulated::new(form, &code_formats(fixed), &to_rgb, share.max(VALIDATION_WINDOWS)),
-            batch: Batch::new(form.window, share),
+            batch: Batch::new(form.inputs(), share),
             importance: vec![0.0; share],
             errors: vec![0.0; share],
             gradient: vec![0.0; values.len()],
@@ -254,7 +254,7 @@ fn validation(dataset: &Dataset, conditions: &Conditions) -> Vec<Batch> {
     for photo in 0..dataset.photos() {
         for psi in 0..dataset.psis().len() {
             for noise in [Noise::None, conditions.at(tone, Conditions::judged(tone))] {
-                let mut batch = Batch::new(dataset.window(), VALIDATION_WINDOWS);
+                let mut batch = Batch::new(dataset.inputs(), VALIDATION_WINDOWS);
                 // Validation windows have a stream that no training step has.
                 let mut random = Random::new(0, u64::MAX, sets.len() as u64);
                 dataset.draw_validation(&mut random, Place { photo, psi }, noise, &mut batch);

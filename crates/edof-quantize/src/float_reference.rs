@@ -153,6 +153,7 @@ mod tests {
                 recurrence: if flags[0] { Recurrence::Difference } else { Recurrence::Direct },
                 linear_path: flags[1],
                 tied: flags[2],
+                exposures: 1,
             };
             let fixed = edof_device::random::extreme(form, 12, Stride::PATCH, true, seed);
             let twin = FloatReference::<f64>::new(&fixed, &Folded::of(&fixed));
@@ -194,6 +195,7 @@ mod tests {
                 recurrence: if flags[0] { Recurrence::Difference } else { Recurrence::Direct },
                 linear_path: flags[1],
                 tied: flags[2],
+                exposures: 1,
             };
             let mut fixed = edof_device::random::extreme(form, 12, Stride::PATCH, true, seed);
             if seed >= 32 {

@@ -182,6 +182,7 @@ mod tests {
             recurrence: edof_network::network::Recurrence::Direct,
             linear_path: flags[0],
             tied: flags[1],
+            exposures: 1,
         }
     }
 

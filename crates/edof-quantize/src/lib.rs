@@ -50,6 +50,7 @@ pub use evaluate::{Evaluation, Scene, evaluate};
 pub use finetune::{FinetuneOptions, FinetuneProgress, finetune};
 
 use edof_core::Stride;
+use edof_core::geometry::GeometryError;
 use edof_core::overlap::Overlap;
 use edof_network::fixed_network::{FixedNetworkError, WORD_BITS, layer_names};
 use edof_network::network::NetworkError;
@@ -96,6 +97,9 @@ pub enum QuantizeError {
     /// The float network does not fit its form.
     #[error(transparent)]
     Network(#[from] NetworkError),
+    /// A frame too small for the network's window.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
     /// No integers of this width run exactly.
     #[error("{bits} bits: {source}")]
     Fixed { bits: u32, source: FixedNetworkError },

@@ -241,6 +241,7 @@ mod tests {
             recurrence: edof_network::network::Recurrence::Direct,
             linear_path: true,
             tied,
+            exposures: 1,
         }
     }
 

@@ -108,6 +108,7 @@ mod tests {
             recurrence: if flags[0] { Recurrence::Difference } else { Recurrence::Direct },
             linear_path: flags[1],
             tied: flags[2],
+            exposures: 1,
         }
     }
 

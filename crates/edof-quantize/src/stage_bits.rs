@@ -170,6 +170,7 @@ mod tests {
             recurrence: edof_network::network::Recurrence::Direct,
             linear_path: true,
             tied,
+            exposures: 1,
         };
         edof_device::random::extreme(form, 8, edof_core::Stride::PATCH, false, 2)
     }

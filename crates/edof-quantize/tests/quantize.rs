@@ -34,6 +34,7 @@ fn forms() -> impl Strategy<Value = Form> {
             recurrence: if difference { Recurrence::Difference } else { Recurrence::Direct },
             linear_path,
             tied,
+            exposures: 1,
         },
     )
 }
@@ -47,6 +48,7 @@ fn form(layers: usize, shrinkage: Shrinkage, linear_path: bool) -> Form {
         recurrence: Recurrence::Direct,
         linear_path,
         tied: false,
+        exposures: 1,
     }
 }
 
@@ -227,6 +229,10 @@ fn wrong_options_and_empty_calibrations_are_rejected() {
     broken.thresholds.pop();
     let error = quantize(&broken, &options(16), &seen, "").unwrap_err();
     assert!(matches!(error, QuantizeError::Network(NetworkError::Count { what: "thresholds", .. })));
+    let mut double = good.clone();
+    double.form.exposures = 2;
+    let told = Calibration::measure(&double, [&raw(1)]).unwrap_err().to_string();
+    assert!(told.starts_with("exposures 2: must be 1 here"), "{told}");
     let mut large = good;
     large.dictionary.fill(1e9);
     assert!(refused(&large, &options(16), &seen).starts_with("dictionary: value "));

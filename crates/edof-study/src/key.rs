@@ -109,9 +109,23 @@ records! {
         "layers" = layers, "dc_removed" = dc_removed, "penalty" = penalty, "depths" = depths,
         "window" = window, "float" = float
     }
-    Form as "Form" {
-        "window" = window, "codes" = codes, "layers" = layers, "shrinkage" = shrinkage,
-        "recurrence" = recurrence, "linear_path" = linear_path, "tied" = tied
+}
+
+impl KeyText for Form {
+    /// States exposures where there are several, so that rows of one are recognised that were measured when there were no others.
+    fn key_text(&self) -> String {
+        let Self { window, codes, layers, shrinkage, recurrence, linear_path, tied, exposures } = self;
+        let mut fields: Vec<(&str, &dyn KeyText)> = vec![
+            ("window", window),
+            ("codes", codes),
+            ("layers", layers),
+            ("shrinkage", shrinkage),
+            ("recurrence", recurrence),
+            ("linear_path", linear_path),
+            ("tied", tied),
+        ];
+        fields.extend((*exposures != 1).then_some(("exposures", exposures as &dyn KeyText)));
+        record("Form", &fields)
     }
 }
 

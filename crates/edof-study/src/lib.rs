@@ -19,7 +19,7 @@
 //! | | [`knobs`] | what can be left out: a curve for each knob |
 //! | | [`known_blurs`] | blind deconvolution of synthetic blurs |
 //! | | [`aperture`] | a coded lens against smaller apertures of its clear lens, in equal light |
-//! | | [`lens_networks`] | masks against clear lenses, blind and with the depth known, each with networks of its own |
+//! | | [`lens_networks`] | masks against clear lenses, blind, with the depth known, and with several exposures, each with networks of its own |
 //! | | [`bound`] | what no lens passes, and how near to it a lens comes |
 //! | | [`codes`] | codes that programs can read, by lens, depth and light |
 //! | | [`tolerances`] | errors of a lens that cost 0.1 dB |

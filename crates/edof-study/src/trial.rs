@@ -118,10 +118,27 @@ impl<'a> Trial<'a> {
     /// # Errors
     /// [`TrialError::Sensor`].
     pub fn shots(&self, psfs: &[Psf; 3], noise: &[Noise]) -> Result<Vec<(Noise, RawFrame)>, TrialError> {
+        self.shots_of(0, psfs, noise)
+    }
+
+    /// What the sensor gives in the exposure of this number, 0 first; each has noise of its own.
+    ///
+    /// # Errors
+    /// [`TrialError::Sensor`].
+    pub fn shots_of(
+        &self,
+        exposure: usize,
+        psfs: &[Psf; 3],
+        noise: &[Noise],
+    ) -> Result<Vec<(Noise, RawFrame)>, TrialError> {
         let blurred = blur_frame(&self.light, psfs);
+        let sensor = |noise| {
+            let first = sensor(&self.photo.name, self.psi, noise);
+            Sensor { seed: first.seed.wrapping_add(exposure as u64), ..first }
+        };
         noise
             .par_iter()
-            .map(|&noise| Ok((noise, expose(&blurred, &sensor(&self.photo.name, self.psi, noise))?)))
+            .map(|&noise| Ok((noise, expose(&blurred, &sensor(noise))?)))
             .collect::<Result<_, _>>()
             .map_err(|source| TrialError::Sensor { image: self.image(), source })
     }

@@ -32,6 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         recurrence: Recurrence::Direct,
         linear_path: true,
         tied: false,
+        exposures: 1,
     };
     let recipe = Recipe::new(form);
     let camera = Camera::resolve("ring-2018")?;
@@ -67,7 +68,7 @@ fn export(
     recipe: &Recipe,
     threads: usize,
 ) -> Result<(), Box<dyn Error>> {
-    let mut batch = Batch::new(form.window, WINDOWS);
+    let mut batch = Batch::new(form.inputs(), WINDOWS);
     dataset.draw(&mut Random::new(recipe.seed, 0, 0), &recipe.conditions, &mut batch);
     // Before the first validation, the best weights are those that training starts from.
     let weights = Trainer::new(recipe.clone(), dataset, threads)?.state.best_weights;

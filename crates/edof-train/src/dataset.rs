@@ -38,6 +38,8 @@ pub struct DatasetOptions {
     pub tone: Tone,
     /// Looks of each photograph.
     pub augmentation: Augmentation,
+    /// Foci in ψ of the exposures after the first, which has the camera's focus.
+    pub further_foci: Vec<f64>,
 }
 
 impl DatasetOptions {
@@ -50,6 +52,7 @@ impl DatasetOptions {
             window,
             tone: Tone::Linear,
             augmentation: Augmentation::NONE,
+            further_foci: vec![],
         }
     }
 }
@@ -72,6 +75,7 @@ struct Picture {
     width: usize,
     holdout: Holdout,
     sharp: Vec<u16>,
+    /// Exposure by exposure, ψ by ψ.
     blurred: Vec<Vec<u16>>,
 }
 
@@ -102,7 +106,7 @@ pub enum DatasetError {
 /// A batch of windows: what goes in, what should come out, and where each came from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Batch {
-    /// Windows × pixels, in the dataset's tone.
+    /// Windows × inputs ([`Dataset::inputs`]), in the dataset's tone.
     pub inputs: Vec<f32>,
     /// Windows × 192, in the dataset's tone.
     pub targets: Vec<f32>,
@@ -113,11 +117,11 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// Room for `windows` windows.
+    /// Room for `windows` windows of `inputs` values each.
     #[must_use]
-    pub fn new(window: Window, windows: usize) -> Self {
+    pub fn new(inputs: usize, windows: usize) -> Self {
         Self {
-            inputs: vec![0.0; windows * window.pixels()],
+            inputs: vec![0.0; windows * inputs],
             targets: vec![0.0; windows * RGB_OUTPUTS],
             cells: vec![0; windows],
             classes: vec![0; windows],
@@ -159,10 +163,12 @@ impl Dataset {
         mut tell: impl FnMut(usize, usize) -> ControlFlow<()>,
     ) -> Result<Option<Self>, DatasetError> {
         check(photos, &options)?;
-        let psfs: Vec<[Psf; 3]> = options
-            .psis
+        let cameras = camera.focused_at(&options.further_foci);
+        let views: Vec<(&Camera, f64)> =
+            cameras.iter().flat_map(|camera| options.psis.iter().map(move |psi| (camera, *psi))).collect();
+        let psfs: Vec<[Psf; 3]> = views
             .par_iter()
-            .map(|&psi| channel_psfs(camera, psi, &options.settings))
+            .map(|(camera, psi)| channel_psfs(camera, *psi, &options.settings))
             .collect::<Result<_, _>>()?;
         let reach = psfs.iter().flatten().map(|psf| psf.side() / 2).max().unwrap_or(0);
         let mut pictures = Vec::new();
@@ -217,6 +223,18 @@ impl Dataset {
         self.options.window
     }
 
+    /// Raw frames that a window is cut from.
+    #[must_use]
+    pub const fn exposures(&self) -> usize {
+        1 + self.options.further_foci.len()
+    }
+
+    /// Values of a window: its pixels in every exposure.
+    #[must_use]
+    pub const fn inputs(&self) -> usize {
+        self.exposures() * self.window().pixels()
+    }
+
     /// Largest kernel radius of all PSFs in pixels: what training windows keep away from validation blocks.
     #[must_use]
     pub const fn reach(&self) -> usize {
@@ -254,8 +272,8 @@ impl Dataset {
 
     /// A window of a single colour.
     fn fill(&self, random: &mut Random, colour: [f32; 3], noise: Noise, batch: &mut Batch, index: usize) {
-        let (side, pixels) = (self.window().side(), self.window().pixels());
-        let input = &mut batch.inputs[index * pixels..][..pixels];
+        let (side, inputs) = (self.window().side(), self.inputs());
+        let input = &mut batch.inputs[index * inputs..][..inputs];
         input.iter_mut().enumerate().for_each(|(i, v)| *v = colour[RGGB[i / side % 2][i % side % 2]]);
         expose(noise, random, input);
         let target = &mut batch.targets[index * RGB_OUTPUTS..][..RGB_OUTPUTS];
@@ -293,12 +311,15 @@ impl Dataset {
         index: usize,
     ) {
         let window = self.window();
-        let (side, pixels) = (window.side(), window.pixels());
+        let (side, inputs) = (window.side(), self.inputs());
         let turn = Turn::new(self.turns[random.below(self.turns.len())], picture.width, side);
         let base = (row * picture.width + column) * 3;
         let unit = exposure / f32::from(u16::MAX);
-        let input = &mut batch.inputs[index * pixels..][..pixels];
-        turn.read(&picture.blurred[place.psi][base..], 0, RGGB, unit, side, input);
+        let input = &mut batch.inputs[index * inputs..][..inputs];
+        let blurs = picture.blurred.iter().skip(place.psi).step_by(self.psis().len());
+        for (blurred, pixels) in blurs.zip(input.chunks_exact_mut(window.pixels())) {
+            turn.read(&blurred[base..], 0, RGGB, unit, side, pixels);
+        }
         expose(noise, random, input);
         let target = &mut batch.targets[index * RGB_OUTPUTS..][..RGB_OUTPUTS];
         for (plane, values) in target.chunks_exact_mut(PATCH * PATCH).enumerate() {
@@ -312,8 +333,8 @@ impl Dataset {
     /// Light of a window becomes values of the tone.
     fn encode(&self, batch: &mut Batch, index: usize) {
         if self.tone() == Tone::Srgb {
-            let pixels = self.window().pixels();
-            let input = &mut batch.inputs[index * pixels..][..pixels];
+            let inputs = self.inputs();
+            let input = &mut batch.inputs[index * inputs..][..inputs];
             let target = &mut batch.targets[index * RGB_OUTPUTS..][..RGB_OUTPUTS];
             input.iter_mut().chain(target).for_each(|v| *v = encode(*v));
         }

@@ -60,15 +60,15 @@ pub fn initial(
 
 fn whitened(form: &Form, batch: &Batch, random: &mut Random) -> Vec<f32> {
     let layout = Layout::new(form);
-    let (codes, pixels) = (form.codes, form.window.pixels());
+    let (codes, inputs) = (form.codes, form.inputs());
     let mut weights = vec![0.0; layout.len()];
     let direct = DC_CODES.min(codes);
     // With C = L·Lᵀ, rows g·L⁻¹ of random g see whitened inputs; no eigenvectors are needed for random directions.
     let mut directions =
-        Array2::from_shape_simple_fn((codes - direct, pixels), || f64::from(random.normal()));
+        Array2::from_shape_simple_fn((codes - direct, inputs), || f64::from(random.normal()));
     directions.outer_iter_mut().for_each(|mut g| g /= g.dot(&g).sqrt());
-    let inputs = rows(&batch.inputs, pixels);
-    let seen = directions.dot(&Cholesky::of_moments(covariance(inputs).view()).whitening());
+    let moments = covariance(rows(&batch.inputs, inputs));
+    let seen = directions.dot(&Cholesky::of_moments(moments.view()).whitening());
     let analysis = concatenate![Axis(0), colour_means(form, direct), seen.mapv(|w| w as f32)];
     put(&mut weights, &layout.analysis, &analysis);
     for theta in &layout.thresholds {
@@ -81,23 +81,23 @@ fn whitened(form: &Form, batch: &Batch, random: &mut Random) -> Vec<f32> {
     weights
 }
 
-/// Rows that take the mean of one CFA colour of the window each, `count` of the four.
+/// Rows that take the mean of one CFA colour of the window (of every exposure) each, `count` of the four.
 fn colour_means(form: &Form, count: usize) -> Array2<f32> {
-    let (pixels, side) = (form.window.pixels(), form.window.side());
-    Array2::from_shape_fn((count, pixels), |(code, i)| {
+    let (inputs, side) = (form.inputs(), form.window.side());
+    Array2::from_shape_fn((count, inputs), |(code, i)| {
         let site = i / side % 2 * 2 + i % side % 2;
-        if site == code { 8.0 / pixels as f32 } else { 0.0 }
+        if site == code { 8.0 / inputs as f32 } else { 0.0 }
     })
 }
 
 /// D and R by least squares over what the rest of the network makes of the batch.
 fn fit_final_layer(form: &Form, layout: &Layout, batch: &Batch, weights: &mut [f32]) {
-    let (codes, pixels) = (form.codes, form.window.pixels());
+    let (codes, inputs) = (form.codes, form.inputs());
     let windows = batch.windows();
     let mut pass = Pass::new(*form, windows);
     pass.forward(weights, &batch.inputs, windows);
     let z = rows(pass.z(form.middle_layers()), codes);
-    let linear = rows(&batch.inputs, pixels);
+    let linear = rows(&batch.inputs, inputs);
     let linear = if form.linear_path { linear } else { linear.slice_move(s![.., ..0]) };
     let seen = concatenate![Axis(1), z, linear];
     let map = least_squares(seen.view(), rows(&batch.targets, RGB_OUTPUTS), 1e-4);
@@ -107,7 +107,7 @@ fn fit_final_layer(form: &Form, layout: &Layout, batch: &Batch, weights: &mut [f
 
 fn from_dictionary(form: &Form, batch: &Batch, random: &mut Random) -> Vec<f32> {
     let layout = Layout::new(form);
-    let (codes, pixels) = (form.codes, form.window.pixels());
+    let (codes, inputs) = (form.codes, form.inputs());
     // Atom 0 is the mean, and free.
     let mut penalties = Array1::from_elem(codes, 1.0);
     penalties[0] = 0.0;
@@ -119,7 +119,7 @@ fn from_dictionary(form: &Form, batch: &Batch, random: &mut Random) -> Vec<f32> 
         DICTIONARY_EFFORT,
     );
     // The mean of all blurred dictionaries, seen through the mosaic: the map from codes to raw windows.
-    let blurred = least_squares(z.view(), rows(&batch.inputs, pixels), 1e-3);
+    let blurred = least_squares(z.view(), rows(&batch.inputs, inputs), 1e-3);
     let gram = blurred.t().dot(&blurred);
     let bound = step_bound(gram.view());
     let mut weights = vec![0.0; layout.len()];

@@ -120,6 +120,7 @@ impl Joint {
     /// [`JointError::Recipe`], naming the number that is out of range.
     pub fn check(&self) -> Result<(), JointError> {
         self.recipe.check()?;
+        self.recipe.form.check_single().map_err(RecipeError::from)?;
         if self.recipe.tone != Tone::Linear {
             return Err(value(
                 "tone",
@@ -268,7 +269,7 @@ impl Joint {
         let (form, windows) = (self.recipe.form, self.windows);
         let pixels = form.window.pixels();
         let mut part = Part { db: 0.0, gradient: sides.map(|side| vec![0.0; side * side]) };
-        let (mut pass, mut batch) = (Pass::new(form, windows), Batch::new(form.window, windows));
+        let (mut pass, mut batch) = (Pass::new(form, windows), Batch::new(form.inputs(), windows));
         let mut unused = vec![0.0; Layout::new(&form).len()];
         let mut inputs = vec![0.0; windows * pixels];
         let (mut errors, importance) = (vec![0.0; windows], vec![1.0; windows]);

@@ -115,6 +115,7 @@ mod tests {
             recurrence: Recurrence::Direct,
             linear_path: true,
             tied: false,
+            exposures: 1,
         };
         let layout = Layout::new(&form);
         let mut random = Random::new(3, 0, 0);

@@ -9,7 +9,7 @@ use crate::structure::Structure;
 use crate::weighting::Weighting;
 use edof_core::Tone;
 use edof_core::words;
-use edof_network::network::Form;
+use edof_network::network::{Form, NetworkError};
 use edof_optics::psf::Settings;
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +24,9 @@ pub struct Recipe {
     pub form: Form,
     /// What the photographs' values are taken for, and what the network takes and gives.
     pub tone: Tone,
+    /// Foci in ψ of the exposures after the first, which has the camera's focus.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub further_foci: Vec<f64>,
     /// Light and noise of each window.
     pub conditions: Conditions,
     /// Looks of each photograph.
@@ -78,6 +81,7 @@ impl Recipe {
             form,
             // What photographs are, and what `edof capture` takes them for (docs/decisions/0041-one-tone.md).
             tone: Tone::Srgb,
+            further_foci: vec![],
             conditions: Conditions::plain(0.03),
             // No looks but the photograph's own; these are what --variants draws.
             augmentation: Augmentation { variants: 1, saturation: [0.8, 1.8], hue: 20.0, scale: 0.6 },
@@ -117,6 +121,7 @@ impl Recipe {
             window: self.form.window,
             tone: self.tone,
             augmentation: self.augmentation,
+            further_foci: self.further_foci.clone(),
         }
     }
 
@@ -128,6 +133,9 @@ impl Recipe {
         self.check()?;
         if self.form.window != dataset.window() {
             return Err(value("window", self.form.window.side(), "the window that the photos were cut for"));
+        }
+        if self.form.exposures != dataset.exposures() {
+            return Err(value("exposures", self.form.exposures, "those that the photos were blurred for"));
         }
         if self.tone != dataset.tone() {
             return Err(value("tone", self.tone, "the tone that the photos were read in"));
@@ -145,6 +153,10 @@ impl Recipe {
     /// [`RecipeError::Form`] or [`RecipeError::Value`].
     pub fn check(&self) -> Result<(), RecipeError> {
         self.form.check()?;
+        if self.further_foci.len() + 1 != self.form.exposures {
+            let found = self.further_foci.len();
+            return Err(NetworkError::Foci { found, exposures: self.form.exposures }.into());
+        }
         if let Some(expected) = self.structure.objection(&self.form) {
             return Err(value("structure", self.structure, expected));
         }
@@ -237,7 +249,7 @@ fn lambdas(form: &Form) -> Vec<f32> {
 pub enum RecipeError {
     /// The form is none.
     #[error(transparent)]
-    Form(#[from] edof_network::network::NetworkError),
+    Form(#[from] NetworkError),
     /// A number out of range.
     #[error("{field} {value}: must be {expected}")]
     Value { field: &'static str, value: String, expected: String },

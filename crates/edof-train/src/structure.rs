@@ -30,7 +30,7 @@ impl Structure {
     /// What keeps a form from having it: what is expected in its place.
     #[must_use]
     pub fn objection(self, form: &Form) -> Option<&'static str> {
-        let whole = form.codes.is_multiple_of(BLOCK[0]) && form.window.pixels().is_multiple_of(BLOCK[1]);
+        let whole = form.codes.is_multiple_of(BLOCK[0]) && form.inputs().is_multiple_of(BLOCK[1]);
         match self {
             Self::Symmetric if !form.codes.is_multiple_of(2) => Some("free where the number of codes is odd"),
             Self::Blocks(share) if !(share > 0.0 && share < 1.0) => {
@@ -62,9 +62,9 @@ impl Structure {
             Self::Free => Held::Nothing,
             Self::Symmetric => Held::Equal(partners(form, layout)),
             Self::Blocks(share) => {
-                let pixels = form.window.pixels();
+                let inputs = form.inputs();
                 let matrices = [&layout.analysis, &layout.linear_path].into_iter().filter(|m| !m.is_empty());
-                Held::Zero(matrices.flat_map(|matrix| weakest(weights, matrix, pixels, share)).collect())
+                Held::Zero(matrices.flat_map(|matrix| weakest(weights, matrix, inputs, share)).collect())
             }
         }
     }
@@ -143,9 +143,10 @@ impl Held {
 
 /// For each weight, where its partner is: of the other code of a pair, across the diagonals of window and patch.
 fn partners(form: &Form, layout: &Layout) -> Vec<usize> {
-    let (codes, pixels, side) = (form.codes, form.window.pixels(), form.window.side());
+    let (codes, inputs, side) = (form.codes, form.inputs(), form.window.side());
+    let pixels = form.window.pixels();
     let code = |k: usize| (k + codes / 2) % codes;
-    let pixel = |p: usize| p % side * side + p / side;
+    let pixel = |p: usize| p / pixels * pixels + p % side * side + p % pixels / side;
     let output = |o: usize| o / PATCH_PIXELS * PATCH_PIXELS + o % PATCH * PATCH + o % PATCH_PIXELS / PATCH;
     let mut partner = vec![0; layout.len()];
     let mut matrix = |range: &Range<usize>,
@@ -156,11 +157,11 @@ fn partners(form: &Form, layout: &Layout) -> Vec<usize> {
             partner[range.start + i] = range.start + row(i / columns) * columns + column(i % columns);
         }
     };
-    matrix(&layout.analysis, pixels, &code, &pixel);
+    matrix(&layout.analysis, inputs, &code, &pixel);
     layout.thresholds.iter().for_each(|theta| matrix(theta, codes, &|row| row, &code));
     layout.recurrent.iter().for_each(|s| matrix(s, codes, &code, &code));
     matrix(&layout.dictionary, codes, &output, &code);
-    matrix(&layout.linear_path, pixels, &output, &pixel);
+    matrix(&layout.linear_path, inputs, &output, &pixel);
     partner
 }
 
@@ -195,6 +196,7 @@ mod tests {
             recurrence: Recurrence::Direct,
             linear_path: true,
             tied: false,
+            exposures: 2,
         }
     }
 
@@ -215,8 +217,9 @@ mod tests {
         let mut weights: Vec<f32> = random(layout.len()).iter().map(|w| 0.1 * w).collect();
         let held = Structure::Symmetric.held(&form(), &layout, &weights);
         held.impose(&mut weights);
-        let window = random(64);
-        let turned: Vec<f32> = (0..64).map(|i| window[i % 8 * 8 + i / 8]).collect();
+        let window = random(form().inputs());
+        let turned: Vec<f32> =
+            (0..window.len()).map(|i| window[i / 64 * 64 + i % 8 * 8 + i % 64 / 8]).collect();
         let (patch, of_turned) = (outputs(&weights, &window), outputs(&weights, &turned));
         assert!(patch.iter().any(|v| v.abs() > 0.01));
         for (o, value) in patch.iter().enumerate() {

@@ -321,6 +321,7 @@ impl<'a> Trainer<'a> {
         let origin = Origin {
             name: name.to_owned(),
             camera: camera.clone(),
+            further_foci: self.recipe.further_foci.clone(),
             conditions: vec![Condition { tone, noise: conditions.at(tone, 1.0), least_noise }],
             values: tone,
             patches: self.state.step * self.recipe.batch as u64,
@@ -405,7 +406,7 @@ impl Share {
         let (form, windows) = (recipe.form, recipe.batch / SHARES);
         Self {
             pass: Pass::new(form, windows),
-            batch: Batch::new(form.window, windows),
+            batch: Batch::new(form.inputs(), windows),
             importance: vec![0.0; windows],
             errors: vec![0.0; windows],
             gradient: vec![0.0; weights],
@@ -459,7 +460,7 @@ fn averaging(usual: f32, step: u64) -> f32 {
 /// Starting weights from windows like those to come.
 fn start(recipe: &Recipe, dataset: &Dataset) -> Vec<f32> {
     let mut random = Random::new(recipe.seed, u64::MAX, 0);
-    let mut batch = Batch::new(recipe.form.window, SAMPLES);
+    let mut batch = Batch::new(recipe.form.inputs(), SAMPLES);
     dataset.draw(&mut random, &recipe.conditions, &mut batch);
     initial(&recipe.form, (recipe.start, recipe.structure), &batch, &mut random)
 }
@@ -469,9 +470,9 @@ fn condition(recipe: &Recipe, dataset: &Dataset) -> Precondition {
     if recipe.structure.is_of_pixels() {
         return Precondition::of([]);
     }
-    let (form, mut batch) = (&recipe.form, Batch::new(recipe.form.window, WHITENING_WINDOWS));
+    let (form, mut batch) = (&recipe.form, Batch::new(recipe.form.inputs(), WHITENING_WINDOWS));
     dataset.draw(&mut Random::new(recipe.seed, u64::MAX, 1), &recipe.conditions, &mut batch);
-    Precondition::new(&Layout::new(form), &batch.inputs, form.window.pixels(), WHITENING_FLOOR)
+    Precondition::new(&Layout::new(form), &batch.inputs, form.inputs(), WHITENING_FLOOR)
 }
 
 fn rates(layout: &Layout, recipe: &Recipe) -> Vec<f32> {

@@ -58,7 +58,7 @@ impl ValidationSets {
         let all = places.into_par_iter().enumerate().flat_map_iter(|(index, place)| {
             let levels = conditions.validated(dataset.tone());
             levels.into_iter().enumerate().map(move |(level, noise)| {
-                let mut batch = Batch::new(dataset.window(), WINDOWS);
+                let mut batch = Batch::new(dataset.inputs(), WINDOWS);
                 let mut random = Random::new(SEED, index as u64, level as u64);
                 dataset.draw_validation(&mut random, place, noise, &mut batch);
                 Set { place, noise, batch }

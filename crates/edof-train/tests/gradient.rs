@@ -1,4 +1,4 @@
-//! The hand-written gradient, compared with finite differences in f64, group of weights by group; then f32 is compared with f64.
+//! The hand-written gradient of networks of one and of two exposures, compared with finite differences in f64, group of weights by group; then f32 is compared with f64.
 
 use edof_core::Window;
 use edof_core::colour::RGB_OUTPUTS;
@@ -38,6 +38,7 @@ impl Case {
             recurrence: if flag() { Recurrence::Difference } else { Recurrence::Direct },
             linear_path: flag(),
             tied: flag(),
+            exposures: 1 + index as usize / 9 % 2,
             layers: 2 + index as usize % 9,
         };
         let mut noise = |length: usize, scale: f32| -> Vec<f64> {
@@ -48,7 +49,7 @@ impl Case {
         for theta in &layout.thresholds {
             weights[theta.clone()].iter_mut().for_each(|t| *t = 0.02 + t.abs() * 0.2);
         }
-        let (inputs, targets) = (noise(WINDOWS * 64, 1.0), noise(WINDOWS * RGB_OUTPUTS, 1.0));
+        let (inputs, targets) = (noise(WINDOWS * form.inputs(), 1.0), noise(WINDOWS * RGB_OUTPUTS, 1.0));
         let lambdas = (0..form.shrinkages()).map(|t| 0.01 * (t + 1) as f64).collect();
         Self { form, weights, inputs, targets, lambdas, random }
     }

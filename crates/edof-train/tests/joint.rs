@@ -37,6 +37,7 @@ fn joint() -> Joint {
         recurrence: Recurrence::Direct,
         linear_path: true,
         tied: false,
+        exposures: 1,
     };
     let recipe = Recipe {
         tone: Tone::Linear,
@@ -71,7 +72,7 @@ fn dataset(joint: &Joint, camera: &Camera) -> Dataset {
 /// A network that restores a little: its output is fitted to what the rest of it makes of windows.
 fn network(joint: &Joint, camera: &Camera) -> Network {
     let mut random = Random::new(4, 0, 0);
-    let mut batch = edof_train::dataset::Batch::new(joint.recipe.form.window, 2048);
+    let mut batch = edof_train::dataset::Batch::new(joint.recipe.form.inputs(), 2048);
     dataset(joint, camera).draw(&mut random, &joint.recipe.conditions, &mut batch);
     let weights =
         initial(&joint.recipe.form, (joint.recipe.start, joint.recipe.structure), &batch, &mut random);

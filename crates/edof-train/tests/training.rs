@@ -60,6 +60,7 @@ fn recipe(shrinkage: Shrinkage) -> Recipe {
         recurrence: Recurrence::Direct,
         linear_path: shrinkage == Shrinkage::OneSided,
         tied: false,
+        exposures: 1,
     };
     let augmentation = Augmentation { variants: 2, saturation: [0.8, 1.2], hue: 20.0, scale: 0.9 };
     let (lambda, budget) = (vec![3e-5], None);
@@ -115,6 +116,35 @@ fn training_gains_over_its_start_for_both_shrinkages_and_both_starts() {
         let gain = gain(Recipe { start, ..long(recipe(shrinkage)) });
         assert!(gain > 0.05, "{shrinkage:?} {start:?}: grew by {gain} dB");
     }
+}
+
+/// A recipe for two exposures, the second at a focus of its own.
+fn double() -> Recipe {
+    let single = long(recipe(Shrinkage::OneSided));
+    Recipe { form: Form { exposures: 2, ..single.form }, further_foci: vec![4.0], ..single }
+}
+
+#[test]
+fn a_network_of_two_exposures_learns_from_both_and_states_its_foci() {
+    let recipe = double();
+    let dataset = &of(&[1, 2, 3, 4].map(drawn), &recipe);
+    let mut trainer = Trainer::new(recipe.clone(), dataset, 2).unwrap();
+    run_to(&mut trainer, GAINS);
+    let single =
+        Recipe { form: Form { exposures: 1, ..recipe.form }, further_foci: vec![], ..recipe.clone() };
+    let blurred = &of(&[1, 2, 3, 4].map(drawn), &single);
+    let mut alone = Trainer::new(single.clone(), blurred, 2).unwrap();
+    run_to(&mut alone, GAINS);
+    // Without the noise of shorter times, a second frame that is sharp where the first is not must help.
+    let gain = trainer.state.best.db - alone.state.best.db;
+    assert!(gain > 0.2, "two exposures gain {gain} dB over one");
+    let network = trainer.best("double", &Camera::resolve("clear").unwrap(), Provenance::default());
+    network.check().unwrap();
+    assert_eq!(network.origin.further_foci, [4.0]);
+    let told = |recipe: Recipe, dataset| Trainer::new(recipe, dataset, 2).unwrap_err().to_string();
+    assert_eq!(told(recipe, blurred), "exposures 2: must be those that the photos were blurred for");
+    let unfocused = Recipe { form: Form { exposures: 2, ..single.form }, ..single };
+    assert_eq!(told(unfocused, blurred), "further_foci: 0 given, a form of exposures 2 has 1");
 }
 
 #[test]

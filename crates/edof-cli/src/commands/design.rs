@@ -198,7 +198,9 @@ impl New {
             "clock_mhz" => said::instead(&format!("--clock-mhz {clock}"), error),
             "frame" => said::instead(&format!("--size {}", self.size), error),
             "name" => Error::message(format!("--{text}")),
-            "form.codes" | "stages" | "layers" => Error::message(format!("--form: {text}")),
+            "form.codes" | "form.exposures" | "stages" | "layers" => {
+                Error::message(format!("--form: {text}"))
+            }
             _ => Error::message(text),
         }
     }

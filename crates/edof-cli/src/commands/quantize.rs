@@ -96,6 +96,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         args.images.iter().fold(files, Files::reads_pictures_of).writes_as(Kind::Weights, "--out", &out);
     files.keeps(args.force).check()?;
     let network = weights::float(&args.weights)?;
+    network.form.check_single().map_err(|e| Error::message(format!("{}: {e}", args.weights)))?;
     let weights = weights::float_input(&args.weights)?;
     let hash = weights.sha256.clone();
     ui.used(weights);

@@ -240,6 +240,13 @@ impl Camera {
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }
 
+    /// Returns this camera, then the same one at each further focus in ψ.
+    #[must_use]
+    pub fn focused_at(&self, further_foci: &[f64]) -> Vec<Self> {
+        let further = further_foci.iter().map(|&focus_psi| Self { focus_psi, ..self.clone() });
+        std::iter::once(self.clone()).chain(further).collect()
+    }
+
     /// The camera as an input of a result ([`crate::storage::provenance`]): its name and the SHA-256 of its JSON.
     #[must_use]
     pub fn input(&self) -> Input {

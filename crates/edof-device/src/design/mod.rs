@@ -195,6 +195,12 @@ impl Design {
         require("name", name::quoted(&self.name), name::is_plain(&self.name), name::PLAIN)?;
         self.form.check()?;
         require(
+            "form.exposures",
+            self.form.exposures,
+            self.form.exposures == 1,
+            "1: hardware takes one raw frame",
+        )?;
+        require(
             "clock_mhz",
             number(self.clock_mhz),
             self.clock_mhz > 0.0 && self.clock_mhz <= MAX_CLOCK_MHZ,

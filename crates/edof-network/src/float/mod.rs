@@ -15,7 +15,7 @@
 //! # use edof_network::network::{Form, Recurrence, Shrinkage};
 //! let form = Form {
 //!     window: Window::new(8)?, codes: 16, layers: 4, shrinkage: Shrinkage::TwoSided,
-//!     recurrence: Recurrence::Direct, linear_path: false, tied: false,
+//!     recurrence: Recurrence::Direct, linear_path: false, tied: false, exposures: 1,
 //! };
 //! let weights = vec![0.01; edof_network::float::parameters::Layout::new(&form).len()];
 //! let mut pass = Pass::new(form, 2);

@@ -9,7 +9,7 @@ use std::ops::Range;
 /// Where each matrix of a form lies in the flat vector; all matrices row-major.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Layout {
-    /// A: codes × window pixels.
+    /// A: codes × inputs.
     pub analysis: Range<usize>,
     /// θ_t.
     pub thresholds: Vec<Range<usize>>,
@@ -17,7 +17,7 @@ pub struct Layout {
     pub recurrent: Vec<Range<usize>>,
     /// D: outputs × codes.
     pub dictionary: Range<usize>,
-    /// R: outputs × window pixels; empty where the form has none.
+    /// R: outputs × inputs; empty where the form has none.
     pub linear_path: Range<usize>,
     /// Outputs of F: 192 in RGB, 128 in 4:2:2.
     pub outputs: usize,
@@ -38,13 +38,13 @@ impl Layout {
             end += length;
             end - length..end
         };
-        let (codes, pixels) = (form.codes, form.window.pixels());
+        let (codes, inputs) = (form.codes, form.inputs());
         Self {
-            analysis: take(codes * pixels),
+            analysis: take(codes * inputs),
             thresholds: (0..form.shrinkages()).map(|_| take(codes)).collect(),
             recurrent: (0..form.recurrent_matrices()).map(|_| take(codes * codes)).collect(),
             dictionary: take(outputs * codes),
-            linear_path: take(if form.linear_path { outputs * pixels } else { 0 }),
+            linear_path: take(if form.linear_path { outputs * inputs } else { 0 }),
             outputs,
         }
     }
@@ -88,17 +88,17 @@ pub fn flatten(network: &Network) -> Vec<f32> {
 #[must_use]
 pub fn unflatten(form: Form, flat: &[f32], origin: Origin) -> Network {
     let layout = Layout::new(&form);
-    let (codes, pixels) = (form.codes, form.window.pixels());
+    let (codes, inputs) = (form.codes, form.inputs());
     let matrix = |range: &Range<usize>, columns: usize| {
         Array2::from_shape_fn((range.len() / columns, columns), |(r, c)| flat[range.start + r * columns + c])
     };
     Network {
         form,
-        analysis: matrix(&layout.analysis, pixels),
+        analysis: matrix(&layout.analysis, inputs),
         thresholds: layout.thresholds.iter().map(|t| Array1::from(flat[t.clone()].to_vec())).collect(),
         recurrent: layout.recurrent.iter().map(|s| matrix(s, codes)).collect(),
         dictionary: matrix(&layout.dictionary, codes),
-        linear_path: form.linear_path.then(|| matrix(&layout.linear_path, pixels)),
+        linear_path: form.linear_path.then(|| matrix(&layout.linear_path, inputs)),
         origin,
     }
 }

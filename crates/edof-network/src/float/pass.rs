@@ -20,7 +20,7 @@ pub struct Loss {
 /// Windows and what the network should make of them.
 #[derive(Debug, Clone, Copy)]
 pub struct Examples<'a, T = f32> {
-    /// Windows × pixels.
+    /// Windows × [`Form::inputs`].
     pub inputs: &'a [T],
     /// Windows × 192.
     pub targets: &'a [T],
@@ -104,12 +104,12 @@ impl<T: Real> Pass<T> {
         &mut self.outputs
     }
 
-    /// Runs `windows` windows of `inputs` (windows × pixels, row-major) and returns the outputs (windows × outputs).
+    /// Runs `windows` windows of `inputs` (windows × [`Form::inputs`], row-major) and returns the outputs (windows × outputs).
     pub fn forward(&mut self, weights: &[T], inputs: &[T], windows: usize) -> &[T] {
         let (form, outputs) = (self.form, self.layout.outputs);
-        let (codes, pixels) = (form.codes, form.window.pixels());
-        let y = Mat::new(inputs, windows, pixels);
-        let analysis = Mat::new(&weights[self.layout.analysis.clone()], codes, pixels);
+        let (codes, width) = (form.codes, form.inputs());
+        let y = Mat::new(inputs, windows, width);
+        let analysis = Mat::new(&weights[self.layout.analysis.clone()], codes, width);
         product(&mut self.b[0], Destination::Replace, y, analysis.t());
         for t in 0..form.shrinkages() {
             self.shrink(weights, t, windows * codes);
@@ -121,7 +121,7 @@ impl<T: Real> Pass<T> {
         let last = Mat::new(&self.z[form.middle_layers()], windows, codes);
         product(&mut self.outputs, Destination::Replace, last, dictionary.t());
         if form.linear_path {
-            let linear = Mat::new(&weights[self.layout.linear_path.clone()], outputs, pixels);
+            let linear = Mat::new(&weights[self.layout.linear_path.clone()], outputs, width);
             product(&mut self.outputs, Destination::Accumulate, y, linear.t());
         }
         &self.outputs[..windows * outputs]
@@ -195,11 +195,11 @@ impl<T: Real> Pass<T> {
         lambdas: &[T],
         gradient: &mut [T],
     ) -> f64 {
-        let (codes, pixels) = (self.form.codes, self.form.window.pixels());
+        let (codes, width) = (self.form.codes, self.form.inputs());
         let used = windows * codes;
         self.gradient_z.iter_mut().for_each(|g| g[..used].fill(T::zero()));
         self.gradient_b1[..used].fill(T::zero());
-        let y = Mat::new(inputs, windows, pixels);
+        let y = Mat::new(inputs, windows, width);
         self.final_layer_back(weights, y, gradient);
         let mut loss = 0.0;
         for t in (0..self.form.shrinkages()).rev() {
@@ -215,13 +215,13 @@ impl<T: Real> Pass<T> {
         loss
     }
 
-    /// The loss's gradient for the inputs (windows × pixels) of the last [`Pass::backward`], written to `into`.
+    /// The loss's gradient for the inputs (windows × [`Form::inputs`]) of the last [`Pass::backward`], written to `into`.
     pub fn input_gradient(&self, weights: &[T], windows: usize, into: &mut [T]) {
-        let (codes, pixels, outputs) = (self.form.codes, self.form.window.pixels(), self.layout.outputs);
-        let analysis = Mat::new(&weights[self.layout.analysis.clone()], codes, pixels);
+        let (codes, width, outputs) = (self.form.codes, self.form.inputs(), self.layout.outputs);
+        let analysis = Mat::new(&weights[self.layout.analysis.clone()], codes, width);
         product(into, Destination::Replace, Mat::new(&self.gradient_b1, windows, codes), analysis);
         if self.form.linear_path {
-            let linear = Mat::new(&weights[self.layout.linear_path.clone()], outputs, pixels);
+            let linear = Mat::new(&weights[self.layout.linear_path.clone()], outputs, width);
             product(into, Destination::Accumulate, Mat::new(&self.outputs, windows, outputs), linear);
         }
     }

@@ -12,6 +12,7 @@ use edof_core::reconstructor::Multiplications;
 use edof_core::{ColourFrame, Geometry, RawFrame, ReconstructError, Reconstruction, Reconstructor, Stride};
 use ndarray::{Array2, Array3, ArrayView2, ArrayViewMut2};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::time::Instant;
 
 /// What the reconstructed frame has been through.
@@ -71,15 +72,17 @@ impl FloatReconstructor {
         self
     }
 
-    /// Windows × pixels of one row of patches, mirrored at the borders; 0…1.
-    fn windows(&self, pixels: ArrayView2<'_, u16>, patch_row: usize, columns: usize) -> Vec<f32> {
-        let (height, width) = pixels.dim();
+    /// Windows × inputs of one row of patches, mirrored at the borders; 0…1.
+    fn windows(&self, exposures: &[ArrayView2<'_, u16>], patch_row: usize, columns: usize) -> Vec<f32> {
         let side = self.geometry.window.side();
-        let mut windows = Vec::with_capacity(columns * side * side);
+        let mut windows = Vec::with_capacity(columns * self.network.form.inputs());
         let top = self.geometry.window_start(patch_row);
         for patch_column in 0..columns {
             let left = self.geometry.window_start(patch_column);
-            for r in 0..side as isize {
+            for (pixels, r) in
+                exposures.iter().flat_map(|pixels| (0..side as isize).map(move |r| (pixels, r)))
+            {
+                let (height, width) = pixels.dim();
                 let line = pixels.row(mirror(top + r, height));
                 windows
                     .extend((0..side as isize).map(|c| f32::from(line[mirror(left + c, width)]) / 65536.0));
@@ -91,25 +94,27 @@ impl FloatReconstructor {
     /// Patches that the network gives, one row of them after the other; each window's outputs by `output`.
     fn patches(
         &self,
-        pixels: ArrayView2<'_, u16>,
+        exposures: &[ArrayView2<'_, u16>],
         output: impl Fn(&[f32]) -> Vec<f32> + Sync,
     ) -> Vec<Vec<f32>> {
-        let (height, width) = pixels.dim();
+        let (height, width) = exposures[0].dim();
         let (rows, columns) = self.geometry.patches(height, width);
         (0..rows)
             .into_par_iter()
             .map_init(
                 || Pass::new(self.network.form, columns).within(self.budget),
-                |pass, row| output(pass.forward(&self.weights, &self.windows(pixels, row, columns), columns)),
+                |pass, row| {
+                    output(pass.forward(&self.weights, &self.windows(exposures, row, columns), columns))
+                },
             )
             .collect()
     }
 
     /// Weighted sum of all overlapping patches; RGB.
-    fn rgb(&self, pixels: ArrayView2<'_, u16>) -> ColourFrame {
-        let (height, width) = pixels.dim();
+    fn rgb(&self, exposures: &[ArrayView2<'_, u16>]) -> ColourFrame {
+        let (height, width) = exposures[0].dim();
         let mut planes = Array3::zeros((3, height, width));
-        for (patch_row, line) in self.patches(pixels, <[f32]>::to_vec).iter().enumerate() {
+        for (patch_row, line) in self.patches(exposures, <[f32]>::to_vec).iter().enumerate() {
             for (patch_column, patch) in line.chunks_exact(RGB_OUTPUTS).enumerate() {
                 for (plane, block) in planes.outer_iter_mut().zip(patch.chunks_exact(PATCH_PIXELS)) {
                     self.add(plane, block, (patch_row, patch_column), 1);
@@ -121,8 +126,8 @@ impl FloatReconstructor {
 
     /// The board's 4:2:2 frame. As on the board each patch is brought to 4:2:2 before it is added, so that at a stride below 8,
     /// too, only rounding distinguishes the integers from this.
-    fn ycc422(&self, pixels: ArrayView2<'_, u16>) -> Frame422 {
-        let (height, width) = pixels.dim();
+    fn ycc422(&self, exposures: &[ArrayView2<'_, u16>]) -> Frame422 {
+        let (height, width) = exposures[0].dim();
         let map: Vec<f32> = patch_422_from_rgb().iter().map(|v| *v as f32).collect();
         let to_422 = |rgb: &[f32]| {
             let windows = rgb.len() / RGB_OUTPUTS;
@@ -133,7 +138,7 @@ impl FloatReconstructor {
         };
         let mut luma = Array2::zeros((height, width));
         let mut chroma = [Array2::zeros((height, width / 2)), Array2::zeros((height, width / 2))];
-        for (patch_row, line) in self.patches(pixels, to_422).iter().enumerate() {
+        for (patch_row, line) in self.patches(exposures, to_422).iter().enumerate() {
             for (patch_column, patch) in line.chunks_exact(OUTPUTS_422).enumerate() {
                 let (y, differences) = patch.split_at(PATCH_PIXELS);
                 self.add(luma.view_mut(), y, (patch_row, patch_column), 1);
@@ -179,21 +184,31 @@ impl Reconstructor for FloatReconstructor {
     }
 
     fn reconstruct(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
-        Reconstruction::through(self.network.origin.values, raw, |raw| self.values(raw))
+        self.reconstruct_exposures(&[raw])
+    }
+
+    fn reconstruct_exposures(&self, raws: &[&RawFrame]) -> Result<Reconstruction, ReconstructError> {
+        let expected = self.network.form.exposures;
+        if raws.len() != expected {
+            return Err(ReconstructError::exposures(&self.name, raws.len(), expected));
+        }
+        Reconstruction::through_exposures(self.network.origin.values, raws, |raws| self.values(raws))
     }
 }
 
 impl FloatReconstructor {
-    fn values(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
+    fn values(&self, raws: &[Cow<'_, RawFrame>]) -> Result<Reconstruction, ReconstructError> {
         let start = Instant::now();
-        let (height, width) = raw.size();
+        let (height, width) = raws[0].size();
         self.geometry.check_frame((height, width))?;
-        let (aligned, (row, column)) = raw.to_rggb();
-        let (rows, columns) = aligned.size();
-        let pixels = aligned.pixels().view();
+        self.check_alike(raws)?;
+        let aligned: Vec<_> = raws.iter().map(|raw| raw.to_rggb()).collect();
+        let (row, column) = aligned[0].1;
+        let (rows, columns) = aligned[0].0.size();
+        let pixels: Vec<_> = aligned.iter().map(|(raw, _)| raw.pixels().view()).collect();
         let frame = match self.output {
-            Output::Rgb => self.rgb(pixels),
-            Output::Ycc422 => rgb_from_422(&self.ycc422(pixels)),
+            Output::Rgb => self.rgb(&pixels),
+            Output::Ycc422 => rgb_from_422(&self.ycc422(&pixels)),
         };
         Ok(Reconstruction {
             frame: frame.crop(row, column, height, width),
@@ -203,6 +218,22 @@ impl FloatReconstructor {
             iterations: None,
         })
     }
+
+    /// Rejects exposures of different sizes or CFA phases.
+    fn check_alike(&self, raws: &[Cow<'_, RawFrame>]) -> Result<(), ReconstructError> {
+        let kind = |raw: &Cow<'_, RawFrame>| {
+            let (height, width) = raw.size();
+            format!("{width}x{height} {}", raw.phase())
+        };
+        let first = kind(&raws[0]);
+        match raws.iter().map(kind).find(|other| *other != first) {
+            Some(other) => Err(ReconstructError::Method {
+                method: self.name.clone(),
+                reason: format!("exposures are {first} and {other}, expected the same size and CFA phase"),
+            }),
+            None => Ok(()),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -211,7 +242,7 @@ mod tests {
     use crate::network::{Form, Origin, Recurrence, Shrinkage};
     use edof_core::camera::Camera;
     use edof_core::{CfaPhase, Tone, Window};
-    use ndarray::Array1;
+    use ndarray::{Array1, Axis, concatenate};
 
     /// A network without codes whose linear path takes each output's colour from the nearest site of that colour.
     fn nearest_site_network(window: usize) -> Network {
@@ -224,6 +255,7 @@ mod tests {
             recurrence: Recurrence::Direct,
             linear_path: true,
             tied: false,
+            exposures: 1,
         };
         let mut r = Array2::zeros((RGB_OUTPUTS, window.pixels()));
         for output in 0..RGB_OUTPUTS {
@@ -241,6 +273,65 @@ mod tests {
             linear_path: Some(r),
             origin: Origin::untrained("nearest", Camera::resolve("clear").unwrap()),
         }
+    }
+
+    /// The same network of two exposures, which looks at one of them.
+    fn looking_at(exposure: usize) -> Network {
+        let mut network = nearest_site_network(12);
+        let doubled = |matrix: &Array2<f32>| {
+            let nothing = Array2::zeros(matrix.dim());
+            let halves = if exposure == 0 { [matrix, &nothing] } else { [&nothing, matrix] };
+            concatenate(Axis(1), &halves.map(|half| half.view())).unwrap()
+        };
+        network.analysis = doubled(&network.analysis);
+        network.linear_path = network.linear_path.as_ref().map(doubled);
+        network.form.exposures = 2;
+        network.origin.further_foci = vec![6.0];
+        network
+    }
+
+    fn of(network: Network, output: Output) -> FloatReconstructor {
+        FloatReconstructor::new(network, Stride::PATCH, Overlap::Hann, output).unwrap()
+    }
+
+    #[test]
+    fn a_network_of_two_exposures_with_nothing_in_one_half_is_the_network_of_the_other() {
+        let noisy = |seed: usize| {
+            let codes = Array2::from_shape_fn((20, 28), |(r, c)| {
+                u16::try_from((r * 7919 + c * 104_729 + seed * 613) % 65_536).unwrap()
+            });
+            RawFrame::from_values(codes, 16, CfaPhase::Grbg).unwrap()
+        };
+        let frames = [noisy(1), noisy(2)];
+        for output in [Output::Rgb, Output::Ycc422] {
+            let single = of(nearest_site_network(12), output);
+            let alone = frames.each_ref().map(|raw| single.reconstruct(raw).unwrap().frame);
+            assert!(alone[0] != alone[1]);
+            for exposure in 0..2 {
+                let double = of(looking_at(exposure), output);
+                let picture = |raws: [&RawFrame; 2]| double.reconstruct_exposures(&raws).unwrap().frame;
+                assert_eq!(picture([&frames[0], &frames[1]]), alone[exposure], "{output:?}");
+                // Frames that are swapped are seen.
+                assert_eq!(picture([&frames[1], &frames[0]]), alone[1 - exposure], "{output:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_scene_needs_as_many_like_frames_as_its_network_has_exposures() {
+        let double = of(looking_at(0), Output::Rgb);
+        let told = |method: &dyn Reconstructor, raws: &[&RawFrame]| {
+            method.reconstruct_exposures(raws).unwrap_err().to_string()
+        };
+        let raw = flat_raw(CfaPhase::Rggb);
+        assert_eq!(told(&double, &[&raw]), "nearest.float: got 1 raw frame of one scene, expected 2");
+        assert_eq!(double.reconstruct(&raw).unwrap_err().to_string(), told(&double, &[&raw]));
+        let single = of(nearest_site_network(12), Output::Rgb);
+        assert_eq!(told(&single, &[&raw, &raw]), "nearest.float: got 2 raw frames of one scene, expected 1");
+        assert_eq!(
+            told(&double, &[&raw, &flat_raw(CfaPhase::Bggr)]),
+            "nearest.float: exposures are 28x20 rggb and 28x20 bggr, expected the same size and CFA phase"
+        );
     }
 
     fn flat_raw(phase: CfaPhase) -> RawFrame {
@@ -280,7 +371,7 @@ mod tests {
             let exact = [60000.0, 30000.0, 10000.0][plane] / 65536.0;
             assert!((v - exact).abs() < 3e-5, "{v} for {exact}");
         }
-        let window = method.windows(raw.encoded(Tone::Srgb).pixels().view(), 0, 3);
+        let window = method.windows(&[raw.encoded(Tone::Srgb).pixels().view()], 0, 3);
         assert!((window[0] - Tone::Srgb.encode(30000.0 / 65536.0)).abs() < 1e-5);
     }
 

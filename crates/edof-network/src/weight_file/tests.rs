@@ -16,6 +16,7 @@ fn small_network() -> Network {
         recurrence: Recurrence::Direct,
         linear_path: true,
         tied: false,
+        exposures: 1,
     };
     let ramp = |h, w| Array2::from_shape_fn((h, w), |(r, c)| (r * w + c) as f32 / 100.0);
     Network {
@@ -45,6 +46,39 @@ fn a_network_comes_back_and_the_same_network_gives_the_same_bytes() {
     let again = dir.path().join("again");
     save_network(&again, &network).unwrap();
     assert_eq!(std::fs::read(path).unwrap(), std::fs::read(again).unwrap());
+}
+
+#[test]
+fn a_network_of_two_exposures_comes_back_and_others_say_nothing_of_exposures() {
+    let (_dir, path, network) = saved(|network| {
+        network.form.exposures = 2;
+        network.origin.further_foci = vec![6.0];
+        network.analysis = Array2::ones((4, 128));
+        network.linear_path = Some(Array2::ones((192, 128)));
+    });
+    assert_eq!(load_network(&path).unwrap(), network);
+    let cameras = network.origin.cameras();
+    assert_eq!(cameras[0], network.origin.camera);
+    assert_eq!(cameras[1], Camera { focus_psi: 6.0, ..cameras[0].clone() });
+    let mut unfocused = network;
+    unfocused.origin.further_foci.clear();
+    assert_eq!(
+        unfocused.check().unwrap_err().to_string(),
+        "further_foci: 0 given, a form of exposures 2 has 1"
+    );
+    let (_dir, path, _) = saved(|_| ());
+    let text = String::from_utf8_lossy(&std::fs::read(path).unwrap()).into_owned();
+    assert!(text.contains("window") && !text.contains("exposures") && !text.contains("foci"), "{text}");
+}
+
+#[test]
+fn integers_have_one_exposure() {
+    let mut fixed = small_fixed();
+    fixed.form.exposures = 2;
+    assert_eq!(
+        fixed.check().unwrap_err().to_string(),
+        "exposures 2: must be 1 here; only the float network on the CPU takes several raw frames"
+    );
 }
 
 fn small_fixed() -> FixedNetwork {

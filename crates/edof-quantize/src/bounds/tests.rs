@@ -58,6 +58,7 @@ fn form(layers: usize, shrinkage: Shrinkage, flags: [bool; 3]) -> Form {
         recurrence: if flags[0] { Recurrence::Difference } else { Recurrence::Direct },
         linear_path: flags[1],
         tied: flags[2],
+        exposures: 1,
     }
 }
 

@@ -34,6 +34,7 @@ fn start(shrinkage: Shrinkage) -> FixedNetwork {
         recurrence: Recurrence::Direct,
         linear_path: true,
         tied: false,
+        exposures: 1,
     };
     let mut fixed = edof_device::random::extreme(form, 8, Stride::PATCH, false, 3);
     let mut draw = Draw::new(4);
@@ -65,7 +66,7 @@ fn plain_gradient(tuner: &Tuner<'_>, step: u64) -> Vec<f32> {
     let mut pass = Simulated::new(tuner.words.form, &code_formats(&tuner.words), &to_rgb, 8);
     let mut gradient = vec![0.0; tuner.values.len()];
     for part in 0..4 {
-        let mut batch = Batch::new(tuner.dataset.window(), 8);
+        let mut batch = Batch::new(tuner.dataset.inputs(), 8);
         tuner.dataset.draw(&mut Random::new(11, step, part), &tuner.conditions, &mut batch);
         let error = |cell: &u32| Some(tuner.cell_errors[*cell as usize]).filter(|error| *error != 0.0);
         let importance: Vec<f32> =

@@ -11,6 +11,7 @@ fn form(layers: usize, recurrence: Recurrence, linear_path: bool) -> Form {
         recurrence,
         linear_path,
         tied: false,
+        exposures: 1,
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! A network's camera states its lens and aperture. Closed by `s` stops a white pixel gets 2^s times fewer electrons, and every ψ is 2^s times
 //! smaller. A network of a range of depths is blind: it serves every depth. One that was trained at a single depth knows it, and serves each depth with
-//! the same kernels. Networks that differ in their seed alone say what chance does.
+//! the same kernels. A network of several exposures sees as many raw frames of a scene, which share the exposure time and have a focus each. Networks that
+//! differ in their seed alone say what chance does.
 
 mod page;
 mod peer;
@@ -15,10 +16,11 @@ use crate::journal::{Key, Line, Ordered, Proof, settings};
 use crate::methods::spec::Case;
 use crate::metrics::BORDER;
 use crate::trial::{Trial, TrialError, sensor};
+use edof_core::camera::Camera;
 use edof_core::noise::{Noise, SensorNoise};
 use edof_core::storage::digest::sha256;
 use edof_core::storage::provenance::Input;
-use edof_core::{Reconstructor, Tone};
+use edof_core::{RawFrame, Reconstructor, Tone};
 use edof_io::photos::Photo;
 use edof_optics::psf::{Psf, Settings, channel_psfs};
 use serde::{Deserialize, Serialize};
@@ -49,6 +51,9 @@ pub struct Row {
     pub stops: f64,
     /// Whether the network was trained for this depth alone.
     pub known: bool,
+    /// Foci of the exposures that share the exposure time, in ψ of the open aperture; empty where there is one exposure.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub foci: Vec<f64>,
     /// Seed of the training.
     pub seed: u64,
     /// Electrons of a white pixel behind the open aperture.
@@ -66,7 +71,7 @@ pub struct Row {
 }
 
 /// The place of a row on a page.
-pub type Subject = (String, bool, u64, Ordered, Ordered, String);
+pub type Subject = (String, bool, Vec<Ordered>, u64, Ordered, Ordered, String);
 
 impl Line for Row {
     const STUDY: &'static str = "lens-networks";
@@ -74,8 +79,8 @@ impl Line for Row {
     type Subject = Subject;
 
     fn subject(&self) -> Subject {
-        let Self { lens, known, seed, electrons, psi, image, .. } = self;
-        (lens.clone(), *known, *seed, Ordered(*electrons), Ordered(*psi), image.clone())
+        let Self { lens, known, foci, seed, electrons, psi, image, .. } = self;
+        (lens.clone(), *known, ordered(foci), *seed, Ordered(*electrons), Ordered(*psi), image.clone())
     }
 
     fn proof(&self) -> &Proof {
@@ -85,6 +90,10 @@ impl Line for Row {
     fn timeless(&self) -> Self {
         self.clone()
     }
+}
+
+fn ordered(foci: &[f64]) -> Vec<Ordered> {
+    foci.iter().copied().map(Ordered).collect()
 }
 
 /// A row to be measured, by places in the plan's lists. Rows of one network, depth and photograph are measured together.
@@ -100,7 +109,7 @@ pub struct Cell {
 pub struct Photographing<'a> {
     plan: &'a Plan,
     photos: &'a [Photo],
-    kernels: Option<((usize, usize), [Psf; 3])>,
+    kernels: Option<((usize, usize), Vec<[Psf; 3]>)>,
 }
 
 impl<'a> Photographing<'a> {
@@ -110,13 +119,15 @@ impl<'a> Photographing<'a> {
         Self { plan, photos, kernels: None }
     }
 
-    fn kernels(&mut self, peer: usize, psi: usize) -> Result<&[Psf; 3], TrialError> {
+    /// Kernels of each exposure.
+    fn kernels(&mut self, peer: usize, psi: usize) -> Result<&[[Psf; 3]], TrialError> {
         let known = self.kernels.take().filter(|(at, _)| *at == (peer, psi));
         let kernels = match known {
             Some(known) => known,
             None => {
                 let own = &self.plan.peers[peer];
-                ((peer, psi), channel_psfs(&own.camera, own.psis[psi].own, &self.plan.optics)?)
+                let of = |camera| channel_psfs(camera, own.psis[psi].own, &self.plan.optics);
+                ((peer, psi), own.cameras.iter().map(of).collect::<Result<_, _>>()?)
             }
         };
         Ok(&self.kernels.insert(kernels).1)
@@ -124,9 +135,9 @@ impl<'a> Photographing<'a> {
 }
 
 impl Plan {
-    /// Noise of a light behind a lens: the gain is raised until white fills the scale again.
+    /// Noise of a frame in a light behind a lens: the gain is raised until white fills the scale again. Several exposures share the time.
     fn noise(&self, peer: &Peer, electrons: f64) -> Noise {
-        let full_well_e = electrons * (-peer.stops).exp2();
+        let full_well_e = electrons * (-peer.stops).exp2() / peer.cameras.len() as f64;
         Noise::Sensor(SensorNoise { full_well_e, read_noise_e: self.read_noise_e, gain: 1.0 })
     }
 
@@ -136,7 +147,7 @@ impl Plan {
             settings: Some(settings(&[own, &self.optics, &TONE, &sensor(name, psi, noise), &BORDER])),
             weights: peer.method.weights().map(str::to_owned),
             photo: hash.to_owned(),
-            camera: Some(sha256(peer.camera.to_json().as_bytes())),
+            camera: Some(sha256(peer.cameras.iter().map(Camera::to_json).collect::<String>().as_bytes())),
             ..Proof::default()
         }
     }
@@ -162,7 +173,8 @@ impl Experiment for Photographing<'_> {
                 for (psi, depth) in own.psis.iter().enumerate() {
                     for (photo, of) in self.photos.iter().enumerate() {
                         let at = [electrons, depth.open].map(Ordered);
-                        let subject = (own.lens.clone(), own.known, own.seed, at[0], at[1], of.name.clone());
+                        let (lens, foci, image) = (own.lens.clone(), ordered(&own.foci()), of.name.clone());
+                        let subject = (lens, own.known, foci, own.seed, at[0], at[1], image);
                         let proof = plan.proof(own, (&of.name, &hashes[photo]), depth.own, noise);
                         cells.push((Key { subject, proof }, Cell { peer, psi, photo, light }));
                     }
@@ -180,22 +192,27 @@ impl Experiment for Photographing<'_> {
         let (plan, Cell { peer, psi, photo, .. }) = (self.plan, cells[0].0);
         let own = &plan.peers[peer];
         let depth = own.psis[psi];
-        let trial = Trial::new(&own.camera, &self.photos[photo], depth.own, TONE);
+        let trial = Trial::new(own.camera(), &self.photos[photo], depth.own, TONE);
         let electrons = |cell: &Cell| plan.electrons[cell.light];
         let noise: Vec<Noise> = cells.iter().map(|(cell, _)| plan.noise(own, electrons(cell))).collect();
-        let shots = trial.shots(self.kernels(peer, psi)?, &noise)?;
+        let exposures = self.kernels(peer, psi)?.iter().enumerate();
+        let shots: Vec<Vec<(Noise, RawFrame)>> = exposures
+            .map(|(exposure, psfs)| trial.shots_of(exposure, psfs, &noise))
+            .collect::<Result<_, _>>()?;
         let mut rows = vec![];
-        for ((cell, proof), (noise, raw)) in cells.iter().zip(&shots) {
-            let case = Case { camera: &own.camera, psi: depth.own, noise: *noise, optics: plan.optics };
+        for (light, ((cell, proof), noise)) in cells.iter().zip(&noise).enumerate() {
+            let raws: Vec<&RawFrame> = shots.iter().map(|exposure| &exposure[light].1).collect();
+            let case = Case { camera: own.camera(), psi: depth.own, noise: *noise, optics: plan.optics };
             let prepared: Box<dyn Reconstructor> = own.method.prepare(&case)?;
             let result = prepared
-                .reconstruct(raw)
+                .reconstruct_exposures(&raws)
                 .map_err(|source| TrialError::Reconstruct { image: trial.image(), source })?;
             rows.push(Row {
                 lens: own.lens.clone(),
-                clear: own.camera.is_clear(),
+                clear: own.camera().is_clear(),
                 stops: own.stops,
                 known: own.known,
+                foci: own.foci(),
                 seed: own.seed,
                 electrons: electrons(cell),
                 psi: depth.open,

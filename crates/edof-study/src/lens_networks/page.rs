@@ -1,6 +1,6 @@
 //! What rows of lenses say together: whether a mask beats the clear lens at its best stop, and what knowing the depth is worth.
 
-use super::Row;
+use super::{Row, ordered};
 use crate::journal::Ordered;
 use crate::made::Made;
 use crate::metrics::paired::Paired;
@@ -8,7 +8,7 @@ use crate::report::plot::{Axis, Mark, Plot, SMALL, Series};
 use crate::report::{Report, Table};
 use crate::study_report::{StudyReport, StudyReportError};
 use crate::verdict::listed;
-use edof_core::words::count;
+use edof_core::words::{count, number};
 use edof_numerics::mean;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,6 +23,9 @@ const WORTH_DB: f64 = 0.5;
 /// Colours of lenses in plots.
 const COLOURS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 
+/// Name of a camera, whether its networks know the depth, foci of several exposures.
+type Kind<'a> = (&'a str, bool, &'a [f64]);
+
 /// Levels of a lens in one light, in dB: means over seeds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Lens {
@@ -34,6 +37,9 @@ pub struct Lens {
     pub stops: f64,
     /// Whether its networks know the depth.
     pub known: bool,
+    /// Foci of several exposures, in ψ of the open aperture.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub foci: Vec<f64>,
     /// Electrons of a white pixel behind the open aperture.
     pub electrons: f64,
     /// Averaged over depths and photographs.
@@ -88,7 +94,7 @@ impl Part {
 impl Lens {
     /// Takes the rows of one lens and light; none of no rows.
     fn of(rows: &[&Row]) -> Option<Self> {
-        let Row { lens, clear, stops, known, electrons, .. } = rows.first()?;
+        let Row { lens, clear, stops, known, foci, electrons, .. } = rows.first()?;
         let psis: BTreeSet<Ordered> = rows.iter().map(|row| Ordered(row.psi)).collect();
         let at = |psi: f64| -> Vec<&Row> { rows.iter().copied().filter(|row| row.psi == psi).collect() };
         let depths: Vec<[f64; 2]> = psis.iter().map(|psi| [psi.0, Part::of(&at(psi.0)).mean()]).collect();
@@ -99,6 +105,7 @@ impl Lens {
             clear: *clear,
             stops: *stops,
             known: *known,
+            foci: foci.clone(),
             electrons: *electrons,
             average_db: average.mean(),
             worst_db,
@@ -110,9 +117,32 @@ impl Lens {
         })
     }
 
+    /// Names the foci of several exposures.
+    fn exposures(&self) -> String {
+        let foci: Vec<String> = self.foci.iter().copied().map(number).collect();
+        if foci.is_empty() {
+            String::new()
+        } else {
+            format!(", {} exposures at foci {}", foci.len(), foci.join(", "))
+        }
+    }
+
+    /// Name, stop, exposures, and whether the depth is known.
+    fn label(&self) -> String {
+        let stops =
+            if self.stops == 0.0 { "open".to_owned() } else { format!("closed by {} stops", self.stops) };
+        let depth = if self.known { ", depth known" } else { "" };
+        format!("{}, {stops}{}{depth}", self.lens, self.exposures())
+    }
+
     /// Average and worst depth have equal weight.
     const fn score(&self) -> f64 {
         0.5 * (self.average_db + self.worst_db)
+    }
+
+    /// What distinguishes it from others in the same light.
+    fn kind(&self) -> Kind<'_> {
+        (&self.lens, self.known, &self.foci)
     }
 
     fn levels(&self) -> String {
@@ -141,10 +171,13 @@ impl StudyReport for LensNetworks {
     type Row = Row;
 
     fn new(rows: &[Row], _machine: String) -> Result<Self, StudyReportError> {
-        let mut groups: BTreeMap<(Ordered, bool, &str, bool), Vec<&Row>> = BTreeMap::new();
+        let mut groups: BTreeMap<(Ordered, bool, &str, bool, Vec<Ordered>), Vec<&Row>> = BTreeMap::new();
         for row in rows {
             let light = Ordered(-row.electrons);
-            groups.entry((light, !row.clear, &row.lens, row.known)).or_default().push(row);
+            groups
+                .entry((light, !row.clear, &row.lens, row.known, ordered(&row.foci)))
+                .or_default()
+                .push(row);
         }
         let images: BTreeSet<&str> = rows.iter().map(|row| row.image.as_str()).collect();
         Ok(Self {
@@ -188,8 +221,14 @@ impl LensNetworks {
         self.lenses.iter().any(|lens| lens.known)
     }
 
+    fn has_exposures(&self) -> bool {
+        self.lenses.iter().any(|lens| !lens.foci.is_empty())
+    }
+
     fn title(&self) -> &'static str {
-        if self.knows_depth() {
+        if self.has_exposures() {
+            "What several exposures are worth"
+        } else if self.knows_depth() {
             "What knowing the depth is worth"
         } else {
             "Masks against the clear lens at its best stop"
@@ -197,6 +236,12 @@ impl LensNetworks {
     }
 
     fn explanation(&self) -> String {
+        let exposures = if self.has_exposures() {
+            " Several exposures share the time of one, in equal parts: each has its own focus, its share of the electrons, read noise of its own, and a gain \
+              that makes white full scale. The scene does not move. One network sees the same window of all exposures."
+        } else {
+            ""
+        };
         let known = if self.knows_depth() {
             " Blind: one network for all depths. Known: a network for each depth alone, which meets its own depth and those with the same kernels; \
               no network can know more of the depth, so the gain is the most that a network gains which estimates it."
@@ -207,7 +252,7 @@ impl LensNetworks {
             "All lenses look at the same scene for the same time, with the same sensor. Each stop by which a lens is closed halves its light and halves ψ of \
              every depth; ψ is that of the open aperture. Light is stated as the electrons of a white pixel behind the open aperture; gain makes white full scale. \
              Every lens has networks of its own by one short recipe, trained with the noise of its own light, less than the networks that come with the \
-             program.{known} {} under real light (sRGB decoded, photon and read noise), stride 8, border 8 cropped. PSNR in dB, peak 1, of the encoded \
+             program.{exposures}{known} {} under real light (sRGB decoded, photon and read noise), stride 8, border 8 cropped. PSNR in dB, peak 1, of the encoded \
              picture: average over depths / worst depth of each lens. The best stop of the clear lens is the one with the best sum of both in that light. \
              Numbers are means over seeds. A ± is the standard error of a difference: of photographs, paired, and, where a lens has several seeds, of seeds.{}",
             count(self.photographs, "photograph"),
@@ -225,37 +270,71 @@ impl LensNetworks {
         self.lenses.iter().filter(move |lens| lens.electrons == electrons)
     }
 
-    fn find(&self, lens: &str, known: bool, electrons: f64) -> Option<&Lens> {
-        self.in_light(electrons).find(|own| own.lens == lens && own.known == known)
+    fn find(&self, kind: Kind<'_>, electrons: f64) -> Option<&Lens> {
+        self.in_light(electrons).find(|own| own.kind() == kind)
     }
 
-    /// The blind lens with the best score in a light, of those that are clear or of all.
+    /// The same lens and exposures, blind.
+    fn blind(&self, known: &Lens) -> Option<&Lens> {
+        self.find((&known.lens, false, &known.foci), known.electrons)
+    }
+
+    /// The blind lens of one exposure with the best score in a light, of those that are clear or of all.
     fn best(&self, electrons: f64, clear: bool) -> Option<&Lens> {
-        let blind = self.in_light(electrons).filter(|lens| !lens.known && (lens.clear || !clear));
+        let is_one = |lens: &&Lens| !lens.known && lens.foci.is_empty() && (lens.clear || !clear);
+        let blind = self.in_light(electrons).filter(is_one);
         blind.max_by(|a, b| a.score().total_cmp(&b.score()))
     }
 
     /// Lenses in the order of the page.
-    fn names(&self) -> Vec<(&str, bool)> {
-        let mut names: Vec<(&str, bool)> = vec![];
+    fn kinds(&self) -> Vec<Kind<'_>> {
+        let mut kinds: Vec<Kind<'_>> = vec![];
         for lens in &self.lenses {
-            let name = (lens.lens.as_str(), lens.known);
-            if !names.contains(&name) {
-                names.push(name);
+            if !kinds.contains(&lens.kind()) {
+                kinds.push(lens.kind());
             }
         }
-        names
+        kinds
     }
 
     fn verdicts(&self) -> Vec<String> {
-        if self.knows_depth() { self.verdicts_of_depth() } else { self.verdicts_of_masks() }
+        if self.has_exposures() {
+            self.verdicts_of_exposures()
+        } else if self.knows_depth() {
+            self.verdicts_of_depth()
+        } else {
+            self.verdicts_of_masks()
+        }
+    }
+
+    /// States in each light what the best lens of several exposures gains over the best clear one of one exposure, and whether that is enough.
+    fn verdicts_of_exposures(&self) -> Vec<String> {
+        let verdict = |light: f64| {
+            let several = self.in_light(light).filter(|lens| !lens.foci.is_empty());
+            let several = several.max_by(|a, b| a.score().total_cmp(&b.score()))?;
+            let one = self.best(light, true)?;
+            let gains @ [average, worst] = several.minus(one)?;
+            let least = gains.into_iter().min_by(|a, b| a.mean.total_cmp(&b.mean))?;
+            let answer = if least.mean >= WORTH_DB {
+                format!("at least {WORTH_DB} dB both ways, so they pay")
+            } else if least.mean > 0.0 {
+                format!("a gain below {WORTH_DB} dB in one of them, so they pay little")
+            } else {
+                "not a gain both ways, so they do not pay".to_owned()
+            };
+            Some(format!(
+                "{light} electrons: {} minus one exposure of the whole time, {}: {average} dB on average, {worst} at the worst depth: {answer}.",
+                several.label(),
+                one.label()
+            ))
+        };
+        self.lights().into_iter().filter_map(verdict).collect()
     }
 
     /// States the worth of the depth to each lens, and whether that is enough.
     fn verdicts_of_depth(&self) -> Vec<String> {
         let gains = self.lenses.iter().filter(|lens| lens.known).flat_map(|known| {
-            let blind = self.find(&known.lens, false, known.electrons);
-            let gains = blind.and_then(|blind| known.minus(blind));
+            let gains = self.blind(known).and_then(|blind| known.minus(blind));
             gains
                 .into_iter()
                 .flatten()
@@ -300,7 +379,7 @@ impl LensNetworks {
                 .into_iter()
                 .filter_map(|light| {
                     let clear = self.best(light, true)?;
-                    Some((light, self.find(mask, false, light)?.minus(clear)?))
+                    Some((light, self.find((mask, false, &[]), light)?.minus(clear)?))
                 })
                 .collect();
             let least = |of: usize| {
@@ -335,32 +414,27 @@ impl LensNetworks {
             self.table(|lens| Some(lens.levels())),
         )];
         let against = |lens: &Lens, other: Option<&Lens>| {
-            let other = other.filter(|other| (&other.lens, other.known) != (&lens.lens, lens.known))?;
+            let other = other.filter(|other| other.kind() != lens.kind())?;
             lens.minus(other).map(|[average, worst]| format!("{average} / {worst}"))
         };
         if self.knows_depth() {
-            let gain = |lens: &Lens| {
-                against(lens, self.find(&lens.lens, false, lens.electrons)).filter(|_| lens.known)
-            };
+            let gain = |lens: &Lens| against(lens, self.blind(lens)).filter(|_| lens.known);
             tables.push(("Depth known minus blind, the same lens".to_owned(), self.table(gain)));
         }
         let gain = |lens: &Lens| against(lens, self.best(lens.electrons, true));
-        tables.push(("Minus the blind clear lens at its best stop".to_owned(), self.table(gain)));
+        let one = if self.has_exposures() { ", one exposure" } else { "" };
+        tables.push((format!("Minus the blind clear lens at its best stop{one}"), self.table(gain)));
         tables
     }
 
     /// A row for each lens that has a cell, a column for each light.
     fn table(&self, cell: impl Fn(&Lens) -> Option<String>) -> Table {
         let lights = self.lights();
-        let row = |(name, known): (&str, bool)| {
+        let row = |kind: Kind<'_>| {
             let cells: Vec<Option<String>> =
-                lights.iter().map(|light| self.find(name, known, *light).and_then(&cell)).collect();
-            let lens = self.lenses.iter().find(|lens| lens.lens == name && lens.known == known)?;
-            let stops =
-                if lens.stops == 0.0 { "open".to_owned() } else { format!("closed by {} stops", lens.stops) };
-            let depth = if lens.known { ", depth known" } else { "" };
-            let seeds = count(lens.seeds, "seed");
-            let head = [format!("{name}, {stops}{depth}"), seeds];
+                lights.iter().map(|light| self.find(kind, *light).and_then(&cell)).collect();
+            let lens = self.lenses.iter().find(|lens| lens.kind() == kind)?;
+            let head = [lens.label(), count(lens.seeds, "seed")];
             let has_any = cells.iter().any(Option::is_some);
             has_any.then(|| {
                 head.into_iter()
@@ -371,16 +445,17 @@ impl LensNetworks {
         let heads = lights.iter().map(|light| format!("{light} e⁻"));
         Table {
             header: ["lens".to_owned(), "networks".to_owned()].into_iter().chain(heads).collect(),
-            rows: self.names().into_iter().filter_map(row).collect(),
+            rows: self.kinds().into_iter().filter_map(row).collect(),
         }
     }
 
     fn plot(&self, electrons: f64) -> Plot {
         let blind: Vec<&Lens> = self.in_light(electrons).filter(|lens| !lens.known).collect();
         let series = blind.iter().zip(COLOURS.iter().cycle()).flat_map(|(lens, colour)| {
-            let known = self.find(&lens.lens, true, electrons);
+            let known = self.find((&lens.lens, true, &lens.foci), electrons);
             let line = |lens: &Lens, word: &str, mark| {
-                Series::new(format!("{}{word}", lens.lens), mark, lens.depths.clone()).coloured(*colour)
+                Series::new(format!("{}{}{word}", lens.lens, lens.exposures()), mark, lens.depths.clone())
+                    .coloured(*colour)
             };
             std::iter::once(line(lens, "", Mark::LineAndPoints))
                 .chain(known.map(|known| line(known, ", depth known", Mark::Dashed)))

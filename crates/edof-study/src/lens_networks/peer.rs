@@ -1,6 +1,7 @@
 //! A network behind the lens that it was trained for, and the depths that it serves.
 
-use super::TONE;
+use super::{TONE, ordered};
+use crate::journal::Ordered;
 use crate::methods::nets::Net;
 use crate::methods::spec::MethodSpec;
 use edof_core::camera::{Camera, Mask, Zernike};
@@ -23,8 +24,8 @@ pub struct Peer {
     pub known: bool,
     /// Seed of the training.
     pub seed: u64,
-    /// The camera, without a range of depths that would distinguish networks of one lens.
-    pub camera: Camera,
+    /// The camera of each exposure; they differ in their focus.
+    pub cameras: Vec<Camera>,
     /// Name of the network.
     pub name: String,
     /// The network in floating point.
@@ -86,11 +87,14 @@ pub fn peers(
         peer.psis = psis.iter().map(|psi| peer.psi(*psi)).collect();
         peer.check_range()?;
     }
-    let of_known = |peer: &Peer| (peer.lens.clone(), peer.seed);
-    let groups: BTreeSet<(String, u64)> = peers.iter().filter(|peer| peer.known).map(of_known).collect();
-    for (lens, seed) in groups {
-        let mut group: Vec<&mut Peer> =
-            peers.iter_mut().filter(|p| p.known && p.lens == lens && p.seed == seed).collect();
+    let of_known = |peer: &Peer| (peer.lens.clone(), ordered(&peer.foci()), peer.seed);
+    let groups: BTreeSet<(String, Vec<Ordered>, u64)> =
+        peers.iter().filter(|peer| peer.known).map(of_known).collect();
+    for (lens, foci, seed) in groups {
+        let mut group: Vec<&mut Peer> = peers
+            .iter_mut()
+            .filter(|p| p.known && of_known(p) == (lens.clone(), foci.clone(), seed))
+            .collect();
         for &open in psis {
             let psi = group[0].psi(open);
             let serving = serving(&group, psi.own, optics)?;
@@ -122,6 +126,7 @@ fn serving(group: &[&mut Peer], own: f64, optics: &Settings) -> Result<Option<us
 impl Peer {
     fn new(clear: &Camera, net: Net) -> Result<Self, PeerError> {
         let origin = net.float.origin.clone();
+        let cameras = origin.cameras();
         let camera = origin.camera;
         if !is_same(clear, &camera) {
             let (net, camera) = (net.name, camera.name);
@@ -140,12 +145,23 @@ impl Peer {
             known: camera.psi_range[0] == camera.psi_range[1],
             seed: origin.provenance.seed.unwrap_or(0),
             trained: camera.psi_range,
-            camera,
+            cameras,
             name,
             method: methods.swap_remove(0),
             psis: vec![],
             conditions: origin.conditions,
         })
+    }
+
+    /// Returns the camera of the first exposure.
+    pub(super) fn camera(&self) -> &Camera {
+        &self.cameras[0]
+    }
+
+    /// Returns the foci of several exposures in ψ of the open aperture; nothing of one exposure.
+    pub(super) fn foci(&self) -> Vec<f64> {
+        let foci = self.cameras.iter().map(|camera| camera.focus_psi * self.stops.exp2());
+        if self.cameras.len() > 1 { foci.collect() } else { vec![] }
     }
 
     /// Whether it was trained for a noise.
@@ -173,23 +189,31 @@ impl Peer {
 
     /// Whether another network was trained for the same, so that a page could not tell them apart.
     fn is_twin(&self, other: &Self) -> bool {
-        let of = |peer: &Self| (peer.lens.clone(), peer.seed, peer.trained, peer.conditions.clone());
+        let of =
+            |peer: &Self| (peer.lens.clone(), peer.foci(), peer.seed, peer.trained, peer.conditions.clone());
         of(self) == of(other)
     }
 
-    /// Whether a depth, as far from focus as the one that it was trained at, has the same kernels.
+    /// Whether a depth, as far from focus as the one that it was trained at, has the same kernels in every exposure.
     fn knows(&self, own: f64, optics: &Settings) -> Result<bool, NoPsf> {
-        let from_focus = |psi: f64| (psi - self.camera.focus_psi).abs();
-        if (from_focus(own) - from_focus(self.trained[0])).abs() > 1e-6 {
-            return Ok(false);
-        }
-        let [a, b] = [own, self.trained[0]].map(|psi| channel_psfs(&self.camera, psi, optics));
-        let (a, b) = (a?, b?);
-        Ok(a.iter().zip(&b).all(|(a, b)| {
-            let (a, b) = (a.kernel(), b.kernel());
-            a.dim() == b.dim() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME_KERNEL)
-        }))
+        self.cameras.iter().try_fold(true, |knows, camera| {
+            Ok(knows && has_same_kernels(camera, [own, self.trained[0]], optics)?)
+        })
     }
+}
+
+/// Whether two depths, equally far from focus, have the same kernels.
+fn has_same_kernels(camera: &Camera, psis: [f64; 2], optics: &Settings) -> Result<bool, NoPsf> {
+    let [a, b] = psis.map(|psi| (psi - camera.focus_psi).abs());
+    if (a - b).abs() > 1e-6 {
+        return Ok(false);
+    }
+    let [a, b] = psis.map(|psi| channel_psfs(camera, psi, optics));
+    let (a, b) = (a?, b?);
+    Ok(a.iter().zip(&b).all(|(a, b)| {
+        let (a, b) = (a.kernel(), b.kernel());
+        a.dim() == b.dim() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME_KERNEL)
+    }))
 }
 
 /// Whether a camera is a clear lens except for mask, aberrations, focus, range, and an aperture that is no larger.

@@ -7,8 +7,9 @@ use crate::study_report::StudyReport;
 use edof_core::camera::Camera;
 use edof_core::{ColourFrame, Stride};
 use edof_network::Network;
-use edof_network::network::Condition;
+use edof_network::network::{Condition, Form};
 use edof_optics::bound::lenses::{Cubic, closed};
+use ndarray::Array2;
 use std::ops::ControlFlow;
 
 fn clear() -> Camera {
@@ -27,6 +28,25 @@ fn net(camera: &Camera, name: &str, [low, high]: [f64; 2], seed: u64) -> Net {
     float.origin.conditions = vec![Condition { tone: TONE, noise, least_noise }];
     float.origin.provenance.seed = Some(seed);
     Net::new(name, float, name, None, Stride::PATCH).0
+}
+
+/// A network of exposures at these foci of the clear lens, that copies the nearest pixels of one of them, for gains from 1 to 20.
+fn copying(foci: &[f64], exposure: usize, seed: u64) -> Net {
+    let lens = Camera { focus_psi: foci[0], ..clear() };
+    let mut net = net(&lens, &format!("n{seed}"), [0.0, 8.0], seed);
+    let float = &mut net.float;
+    float.form = Form { exposures: foci.len(), linear_path: true, ..float.form };
+    float.origin.further_foci = foci[1..].to_vec();
+    float.analysis = Array2::zeros((float.form.codes, float.form.inputs()));
+    float.linear_path = Some(Array2::from_shape_fn((3 * 64, float.form.inputs()), |(output, input)| {
+        let (plane, pixel) = (output / 64, output % 64);
+        let site = |v: usize, odd: bool| v / 2 * 2 + usize::from(odd);
+        let nearest = site(pixel / 8, plane == 2) * 8 + site(pixel % 8, plane > 0);
+        f32::from(u8::from(input == exposure * 64 + nearest))
+    }));
+    let [least_noise, noise] = [1.0, 20.0].map(Noise::sensor);
+    float.origin.conditions = vec![Condition { tone: TONE, noise, least_noise }];
+    net
 }
 
 fn all(psis: &[f64], nets: Vec<Net>) -> Result<Vec<Peer>, String> {
@@ -73,6 +93,36 @@ fn a_closed_lens_sees_smaller_depths_in_less_light() {
     let plan = Plan { peers: found, electrons: vec![1e3], read_noise_e: 2.5, optics: Settings::default() };
     let Noise::Sensor(noise) = plan.noise(&plan.peers[0], 1e3) else { panic!("no sensor") };
     assert!((noise.full_scale_e() - 500.0).abs() < 1e-9);
+}
+
+#[test]
+fn each_exposure_is_a_frame_of_its_focus_in_its_share_of_the_light() {
+    let two = [2.0, 6.0];
+    let nets = vec![copying(&two, 0, 1), copying(&two, 1, 2), copying(&[2.0], 0, 3), copying(&[6.0], 0, 4)];
+    let (peers, electrons) = (all(&two, nets).unwrap(), vec![1e4, 5e3]);
+    assert_eq!(
+        peers.iter().map(Peer::foci).collect::<Vec<_>>(),
+        [vec![2.0, 6.0], vec![2.0, 6.0], vec![], vec![]]
+    );
+    let plan = Plan { peers, electrons, read_noise_e: 2.5, optics: Settings::default() };
+    let mut journal = Journal::in_memory(Header::of::<Row>(Program::stub("r", "m")));
+    let photos = [photo("p1")];
+    let mut experiment = Photographing::new(&plan, &photos);
+    run(&mut experiment, Shard::WHOLE, &mut journal, |_| ControlFlow::Continue(())).unwrap();
+    let rows = journal.rows();
+    let db = |seed: u64, electrons: f64, psi: f64| {
+        let is_it = |row: &&Row| (row.seed, row.electrons, row.psi) == (seed, electrons, psi);
+        rows.iter().find(is_it).unwrap().psnr_db
+    };
+    for psi in two {
+        // Frames of either focus in half of the light; the noise of the second is another.
+        let alone = [3, 4].map(|seed| db(seed, 5e3, psi));
+        let seen = [1, 2].map(|seed| db(seed, 1e4, psi));
+        assert_eq!(seen[0], alone[0], "psi {psi}");
+        assert!(seen[1] != alone[1] && (seen[1] - alone[1]).abs() < 0.1, "psi {psi}: {seen:?} {alone:?}");
+        // Frames that are swapped would be seen.
+        assert!((alone[0] - alone[1]).abs() > 0.3, "psi {psi}: {alone:?}");
+    }
 }
 
 #[test]
@@ -142,6 +192,7 @@ fn rows(lens: &str, known: bool, seed: u64, levels: [f64; 2]) -> Vec<Row> {
                 clear: lens.starts_with("clear"),
                 stops: if lens == "clear-1" { 1.0 } else { 0.0 },
                 known,
+                foci: vec![],
                 seed,
                 electrons: 1000.0,
                 psi,
@@ -189,6 +240,28 @@ fn a_mask_must_win_against_the_best_stop_of_the_clear_lens() {
     assert!(page.contains("| mask, open | 2 seeds | -0.55 ± 1.00 / -0.60 ± 1.00 |"), "{page}");
     assert!(page.contains("| clear-1, closed by 1 stops | 1 seed | 33.00 / 33.00 |"), "{page}");
     assert_eq!(study.report("edof").to_html().matches("class=\"plot\"").count(), 1);
+}
+
+#[test]
+fn several_exposures_pay_from_half_a_decibel_on_average_and_at_the_worst_depth_on() {
+    let one = [rows("clear-0", false, 1, [34.0, 28.0]), rows("clear-1", false, 1, [31.0, 31.0])].concat();
+    let page = |levels: [f64; 2]| {
+        let mut two = rows("clear-0", false, 1, levels);
+        two.iter_mut().for_each(|row| row.foci = vec![2.0, 6.0]);
+        told(&[one.clone(), two]).to_markdown(&Made::by("edof study lens-networks"))
+    };
+    let much = page([31.6, 31.8]);
+    assert!(much.starts_with("# What several exposures are worth\n"), "{much}");
+    assert!(much.contains("1000 electrons: clear-0, open, 2 exposures at foci 2, 6 minus one exposure of the whole time, clear-1, closed by 1 stops: +0.70 ± 0.00 dB on average, +0.60 ± 0.00 at the worst depth: at least 0.5 dB both ways, so they pay."), "{much}");
+    assert!(much.contains("| clear-0, open, 2 exposures at foci 2, 6 | 1 seed | 33.70 / 33.60 |"), "{much}");
+    assert!(much.contains("## Minus the blind clear lens at its best stop, one exposure\n"), "{much}");
+    assert!(page([31.6, 31.4]).contains(
+        "+0.40 ± 0.00 at the worst depth: a gain below 0.5 dB in one of them, so they pay little."
+    ));
+    assert!(
+        page([31.6, 30.8])
+            .contains("-0.20 ± 0.00 at the worst depth: not a gain both ways, so they do not pay.")
+    );
 }
 
 #[test]

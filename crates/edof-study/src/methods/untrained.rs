@@ -58,6 +58,7 @@ pub fn network(
         recurrence: Recurrence::Direct,
         linear_path: dc_removed,
         tied: true,
+        exposures: 1,
     };
     Ok(Network {
         form,

@@ -169,6 +169,7 @@ fn gradient(limit: f64) -> Result<Measurement, Stopped> {
         recurrence: Recurrence::Direct,
         linear_path: true,
         tied: false,
+        exposures: 1,
     };
     let draw = &mut Draw::new(23);
     let mut noise = |length: usize, scale: f64| -> Vec<f64> {

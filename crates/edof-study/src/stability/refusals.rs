@@ -95,6 +95,7 @@ fn refused(spoil: impl FnOnce(&mut FixedNetwork)) -> Result<TrialResult, Stopped
         recurrence: Recurrence::Direct,
         linear_path: true,
         tied: false,
+        exposures: 1,
     };
     let mut network = edof_device::random::extreme(form, 16, Stride::PATCH, false, 2);
     network.check()?;

@@ -76,6 +76,7 @@ fn network(bench: &Bench, which: &WordNetwork) -> Result<FixedNetwork, Stopped> 
                 recurrence: if flags[1] { Recurrence::Difference } else { Recurrence::Direct },
                 linear_path: flags[2],
                 tied: flags[3],
+                exposures: 1,
             };
             let mut network = edof_device::random::extreme(form, *bits, Stride::PATCH, *tight, 1);
             with.iter().for_each(|instead| put(&mut network, *instead));

@@ -69,6 +69,7 @@ impl Dataset {
         file.by_ref().take(MAX_HEAD).read_line(&mut line).ok()?;
         let head: Head = serde_json::from_str(&line).ok()?;
         let looks = options.augmentation.variants;
+        let blurs = options.psis.len() * (1 + options.further_foci.len());
         if head.key != key || head.sizes.len() != photos.len() * looks {
             return None;
         }
@@ -80,7 +81,7 @@ impl Dataset {
             let holdout = if variant == 0 { whole } else { whole.reduced(height, width) };
             let count = (height <= rows && width <= columns).then_some(3 * height * width)?;
             let sharp = words(&mut file, count)?;
-            let blurred = options.psis.iter().map(|_| words(&mut file, count)).collect::<Option<_>>()?;
+            let blurred = (0..blurs).map(|_| words(&mut file, count)).collect::<Option<_>>()?;
             pictures.push(Picture { width, holdout, sharp, blurred });
         }
         let is_whole = file.read(&mut [0]).ok()? == 0;

@@ -31,7 +31,7 @@ fn place_of(target: &[f32]) -> (f32, f32) {
 fn windows_see_the_mosaic_around_their_patch() {
     for variants in [1, 3] {
         let dataset = marked_dataset(12, Tone::Linear, variants);
-        let mut batch = Batch::new(dataset.window(), 200);
+        let mut batch = Batch::new(dataset.inputs(), 200);
         dataset.draw(&mut Random::new(1, 2, 3), &silent(), &mut batch);
         for (input, target) in batch.inputs.chunks(144).zip(batch.targets.chunks(192)) {
             // Red and green are linear in place, so the mean of a centred window is that of its patch.
@@ -49,7 +49,7 @@ fn windows_see_the_mosaic_around_their_patch() {
 #[test]
 fn windows_of_a_single_colour_have_it_at_every_site_and_reach_the_ends_of_each_channel() {
     let dataset = marked_dataset(12, Tone::Srgb, 1);
-    let mut batch = Batch::new(dataset.window(), 200);
+    let mut batch = Batch::new(dataset.inputs(), 200);
     let conditions = Conditions { noiseless: 1, flat: 1, ..Conditions::plain(0.015) };
     dataset.draw(&mut Random::new(1, 2, 3), &conditions, &mut batch);
     let mut ends = [[0; 3]; 2];
@@ -71,7 +71,7 @@ fn windows_of_a_single_colour_have_it_at_every_site_and_reach_the_ends_of_each_c
 fn windows_hold_values_of_the_tone_and_validation_windows_come_from_the_corner_block() {
     for tone in Tone::ALL {
         let dataset = marked_dataset(8, tone, 1);
-        let mut batch = Batch::new(dataset.window(), 300);
+        let mut batch = Batch::new(dataset.inputs(), 300);
         let place = Place { photo: 0, psi: 0 };
         dataset.draw_validation(&mut Random::new(1, 0, 0), place, Noise::None, &mut batch);
         // The first photograph's block is its first quarter of rows and columns; the lens hardly blurs, so both tones hold the photograph's values.
@@ -85,7 +85,7 @@ fn windows_hold_values_of_the_tone_and_validation_windows_come_from_the_corner_b
 #[test]
 fn the_sensor_sees_light_and_its_values_are_encoded_afterwards() {
     let dataset = marked_dataset(8, Tone::Srgb, 1);
-    let mut batch = Batch::new(dataset.window(), 4_000);
+    let mut batch = Batch::new(dataset.inputs(), 4_000);
     let noise = Noise::sensor(8.0);
     dataset.draw_validation(&mut Random::new(1, 0, 0), Place { photo: 0, psi: 0 }, noise, &mut batch);
     let light = Tone::Srgb.decode(0.5);
@@ -99,7 +99,7 @@ fn the_sensor_sees_light_and_its_values_are_encoded_afterwards() {
 fn exposure_lifts_input_and_target_alike_and_clips_at_white() {
     let dataset = marked_dataset(8, Tone::Linear, 1);
     let drawn = |factor| {
-        let mut batch = Batch::new(dataset.window(), 50);
+        let mut batch = Batch::new(dataset.inputs(), 50);
         let conditions = Conditions { exposure: [factor; 2], ..silent() };
         dataset.draw(&mut Random::new(4, 0, 0), &conditions, &mut batch);
         batch
@@ -114,14 +114,14 @@ fn exposure_lifts_input_and_target_alike_and_clips_at_white() {
 fn the_same_seed_draws_the_same_batch_and_each_window_its_own_noise() {
     let dataset = marked_dataset(8, Tone::Linear, 2);
     let drawn = |seed| {
-        let mut batch = Batch::new(dataset.window(), 16);
+        let mut batch = Batch::new(dataset.inputs(), 16);
         dataset.draw(&mut Random::new(seed, 7, 0), &Conditions::plain(0.01), &mut batch);
         batch
     };
     assert_eq!(drawn(1), drawn(1));
     assert_ne!(drawn(1), drawn(2));
     // The same place again and again: only noise differs, and the noise of one window is independent of the next.
-    let mut batch = Batch::new(dataset.window(), 20_000);
+    let mut batch = Batch::new(dataset.inputs(), 20_000);
     let noise = Noise::gaussian(0.01);
     dataset.draw_validation(&mut Random::new(1, 0, 0), Place { photo: 0, psi: 0 }, noise, &mut batch);
     let blue: Vec<f32> = batch.inputs.chunks(64).map(|window| (window[9] - 0.5) / 0.01).collect();
@@ -129,6 +129,47 @@ fn the_same_seed_draws_the_same_batch_and_each_window_its_own_noise() {
     assert!(mean(&mut blue.iter().copied()).abs() < 0.03);
     assert!((mean(&mut blue.iter().map(|v| v * v)) - 1.0).abs() < 0.04);
     assert!(mean(&mut blue.windows(2).map(|w| w[0] * w[1])).abs() < 0.03);
+}
+
+/// Windows of a clear lens at these foci.
+fn focused_at(foci: &[f64], noise: Noise) -> Batch {
+    let camera = Camera { focus_psi: foci[0], ..Camera::resolve("clear").unwrap() };
+    let plain = DatasetOptions::plain(&[0.0, 1.0, 8.0], Window::PATCH);
+    let options = DatasetOptions { further_foci: foci[1..].to_vec(), ..plain };
+    let photo = marked();
+    let dataset =
+        Dataset::new(&[photo], &camera, options, |_, _| ControlFlow::Continue(())).unwrap().unwrap();
+    let mut batch = Batch::new(dataset.inputs(), 300);
+    let place = Place { photo: 0, psi: 1 };
+    dataset.draw_validation(&mut Random::new(1, 2, 3), place, noise, &mut batch);
+    batch
+}
+
+#[test]
+fn a_window_of_two_exposures_is_the_same_place_seen_at_either_focus() {
+    // Both foci are equally far from an end of the range, so that blurs reach equally far.
+    let [near, far] = [[2.0], [6.0]].map(|foci| focused_at(&foci, Noise::None));
+    assert_eq!(near.targets, far.targets);
+    assert_ne!(near.inputs, far.inputs);
+    for (foci, halves) in [([2.0, 6.0], [&near, &far]), ([6.0, 2.0], [&far, &near])] {
+        let both = focused_at(&foci, Noise::None);
+        assert_eq!(both.targets, near.targets);
+        for (index, window) in both.inputs.chunks(128).enumerate() {
+            let alone = halves.map(|half| &half.inputs[index * 64..][..64]);
+            assert_eq!(window, alone.concat(), "window {index} at foci {foci:?}");
+        }
+    }
+}
+
+#[test]
+fn every_exposure_has_noise_of_its_own() {
+    let noise = Noise::gaussian(0.01);
+    let noisy = focused_at(&[2.0, 6.0], noise);
+    // Blue is a half everywhere.
+    let blue = |at: usize| noisy.inputs.chunks(128).map(move |window| (window[at] - 0.5) / 0.01);
+    let mean = |values: &mut dyn Iterator<Item = f32>| values.sum::<f32>() / 300.0;
+    assert!((mean(&mut blue(64 + 9).map(|v| v * v)) - 1.0).abs() < 0.3);
+    assert!(mean(&mut blue(9).zip(blue(64 + 9)).map(|(a, b)| a * b)).abs() < 0.2);
 }
 
 #[test]

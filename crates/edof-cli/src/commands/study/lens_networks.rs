@@ -1,4 +1,4 @@
-//! `edof study lens-networks`: which mask a scene needs, and what knowing the depth is worth, by networks.
+//! `edof study lens-networks`: which mask a scene needs, and what knowing the depth and several exposures are worth, by networks.
 
 use super::aperture::sorted;
 use super::aperture_networks::networks_in;
@@ -18,7 +18,8 @@ use std::path::{Path, PathBuf};
 ///
 /// Same scene, light, exposure time and sensor. A network's camera states its mask, focus and aperture; each stop halves the light and the defocus. Networks
 /// of a range of depths serve all of --psi. Networks that were trained at one depth (--psi 4:4 --depths 1) know it: if there are any, the page states what
-/// that is worth. Networks that differ in their --seed alone are averaged. Lights that no network of a lens was trained for are left out.
+/// that is worth. Networks of several exposures (--form edof-t4w12,e2 --focus 2,6 with twice the --gain) share the time of one: if there are any, the page
+/// states what they are worth. Networks that differ in their --seed alone are averaged. Lights that no network of a lens was trained for are left out.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:

@@ -28,7 +28,8 @@ pub(super) fn dataset(
 ) -> Result<Dataset, Error> {
     let frames: Vec<ColourFrame> = photographs.iter().map(|p| p.frame.clone()).collect();
     let words: usize = frames.iter().map(|f| f.planes.len() * size_of::<u16>()).sum();
-    let pictures = options.augmentation.variants as f64 * (options.psis.len() + 1) as f64;
+    let pictures = options.augmentation.variants as f64
+        * (options.psis.len() * (1 + options.further_foci.len()) + 1) as f64;
     said::memory("photographs (fewer --variants, --depths or --images take less)", words as f64 * pictures)?;
     let key = key(camera, &options, photos);
     let file = use_cache.then(|| edof_cosim::user_cache("blurs")).flatten().map(|folder| folder.join(&key));

@@ -53,6 +53,12 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
         .psi
         .map_or(Ok(camera.psi_range), |range| range.psi(&camera))
         .map_err(|e| Error::message(format!("--psi {e}")))?;
+    camera.focus_psi = *args.focus.first().unwrap_or(&camera.focus_psi);
+    if camera.psf_bank.is_some() && !args.focus.is_empty() {
+        return Err(Error::message(
+            "--focus: the camera's PSFs are those of a bank, which has one focus; leave --focus or the bank out",
+        ));
+    }
     ui.used(camera.input());
     from.iter().for_each(|from| ui.used(from.input.clone()));
     let recipe = &seeds[0].0;
@@ -112,7 +118,7 @@ impl Beginning {
 
 /// Memory that a step takes for each of its windows: inputs, targets, and what the gradient needs of every layer.
 fn bytes_a_window(form: &Form) -> f64 {
-    let words = form.window.pixels() + 3 * 192 + 4 * form.codes * form.layers;
+    let words = form.inputs() + 3 * 192 + 4 * form.codes * form.layers;
     (words * size_of::<f32>()) as f64
 }
 

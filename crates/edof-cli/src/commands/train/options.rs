@@ -70,6 +70,11 @@ pub struct Args {
     #[arg(long, value_name = "LOW:HIGH", value_parser = depths, allow_hyphen_values = true)]
     pub(super) psi: Option<DepthRange>,
 
+    /// Focus in ψ of each exposure of the form, in place of the camera's: --form edof-t4w12,e2 --focus 2,6 makes a network of two raw frames.
+    /// State the --gain of one frame: with half of the time each, twice that of a single one
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
+    pub(super) focus: Vec<f64>,
+
     /// Meaning of a photograph's samples, and what the network takes and gives: srgb (encoded light, sensor noise; the default of edof
     /// capture) or linear (the paper's convention: linear light); with --from the default is the tone of that network
     #[arg(long)]

@@ -3,10 +3,12 @@
 use super::options::{Args, Only, Start, Weighting};
 use crate::error::Error;
 use crate::form;
+use crate::limits::all_within;
 use crate::provenance::CommandLine;
 use crate::said;
 use clap::ValueEnum;
 use edof_core::Tone;
+use edof_core::words::count;
 use edof_network::float::parameters::flatten;
 use edof_network::network::Network;
 use edof_train::budget::Budget;
@@ -27,6 +29,7 @@ pub(super) fn recipes(args: &Args, from: Option<&Network>) -> Result<Vec<Recipe>
         (form, found) => form.or(found).unwrap_or_else(|| unreachable!("the options ask for one of them")),
     };
     let mut recipe = Recipe::new(form);
+    recipe.further_foci = further_foci(&args.focus, form.exposures)?;
     set(&mut recipe.conditions.noise, args.noise.map(narrow));
     set(&mut recipe.conditions.gain, args.gain.map(narrow));
     set(&mut recipe.conditions.noiseless, args.noiseless);
@@ -72,6 +75,28 @@ pub(super) fn recipes(args: &Args, from: Option<&Network>) -> Result<Vec<Recipe>
         return Err(Error::message(format!("--seed: {} is given twice", twice.1)));
     }
     Ok(seeds.into_iter().map(|seed| Recipe { seed, ..recipe.clone() }).collect())
+}
+
+/// The foci after the camera's own, one for each further exposure of the form.
+fn further_foci(focus: &[f64], exposures: usize) -> Result<Vec<f64>, Error> {
+    all_within("--focus", focus, -100.0, 100.0)?;
+    let [_, further @ ..] = focus else {
+        return match exposures {
+            1 => Ok(vec![]),
+            _ => Err(Error::message(format!(
+                "--focus: is missing, expected {exposures} values, one for each exposure of the form, as in 2,6"
+            ))),
+        };
+    };
+    if focus.len() != exposures {
+        let found = count(focus.len(), "value");
+        return Err(Error::message(format!(
+            "--focus {}: has {found}, expected {exposures}, one for each exposure of the form; keyword e{} of --form makes as many",
+            joined(focus),
+            focus.len()
+        )));
+    }
+    Ok(further.to_vec())
 }
 
 /// The tone that a network was trained on.
@@ -163,8 +188,9 @@ pub(super) fn command(args: &Args, r: &Recipe) -> String {
         "psf-bank",
         args.bank.psf_bank.as_deref().and_then(Path::file_name).map(Path::new).map(Path::display),
     );
-    line.flag_if("centre", args.bank.centre);
-    line.option_if("psi", args.psi).option_if("photos", args.photos.as_ref());
+    line.flag_if("centre", args.bank.centre).option_if("psi", args.psi);
+    line.option_if("focus", Some(joined(&args.focus)).filter(|foci| !foci.is_empty()));
+    line.option_if("photos", args.photos.as_ref());
     line.option_if("leave-out", Some(args.leave_out.join(",")).filter(|names| !names.is_empty()));
     line.option("depths", args.depths);
     let mut of_recipe = |options: &[&str]| {
