@@ -12,6 +12,7 @@
 //! | networks, float and fixed | [`network`] |
 //! | training | [`train`] |
 //! | from raw frames to pictures | [`reconstruct`] |
+//! | corrections of sensors | [`sensor`] |
 //! | picture files and metrics | [`pictures`] |
 //! | demosaicing, deconvolution, pursuits | [`restore`] |
 //! | designs and their sources | [`design`] |
@@ -34,6 +35,7 @@ mod pictures;
 mod reconstruct;
 mod restore;
 mod scene;
+mod sensor;
 mod train;
 
 use pyo3::prelude::*;
@@ -48,6 +50,7 @@ fn _edof(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<network::PyNetwork>()?;
     module.add_class::<network::PyFixedNetwork>()?;
     module.add_class::<reconstruct::PyBoardPicture>()?;
+    module.add_class::<sensor::PySensor>()?;
     module.add_class::<design::PyDesign>()?;
     module.add_class::<board::PyBoard>()?;
     let functions = [

@@ -43,36 +43,39 @@ pub fn fixed(value: &Bound<'_, PyAny>) -> PyResult<Arc<Golden>> {
     Ok(Arc::new(Golden::new(network).or_raise()?))
 }
 
-/// A raw frame as light: its sensor values, and what darkness and full light are in it.
+/// A raw frame as light: its sensor values, and what darkness and full light are in it, or a correction of its sensor.
 pub fn frame(
     raw: &Bound<'_, PyAny>,
     depth: Option<&Bound<'_, PyAny>>,
     phase: &str,
     black_level: Option<&Bound<'_, PyAny>>,
     white_level: Option<f64>,
+    sensor: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<RawFrame> {
     let depth = depth.map_or(Ok(16), |value| crate::arguments::whole(value, "depth", 8, 16))? as u32;
     let raw = array::<u16, Ix2>(raw, "raw", "rows x columns of sensor values")?;
     let frame = RawFrame::from_view(raw.as_array(), depth, word(phase)?).or_raise()?;
-    let black = match black_level {
-        None => Black::default(),
-        Some(value) => match (value.extract::<f64>(), value.extract::<[f64; 4]>()) {
-            (Ok(level), _) => Black::new([level; 4]).or_raise()?,
-            (_, Ok(levels)) => Black::new(levels).or_raise()?,
-            _ => {
-                return Err(wrong_type(
-                    "black_level",
-                    value,
-                    "a number, or four for the 2x2 pixels from the first on",
-                ));
-            }
-        },
-    };
-    let levels = Levels { black, white: white_level };
+    let levels = Levels { black: black(black_level)?, white: white_level };
+    if let Some(sensor) = sensor {
+        if levels != Levels::default() {
+            return Err(failed("black_level, white_level: the sensor states them; leave them out"));
+        }
+        return crate::sensor::sensor(sensor)?.light(&frame).or_raise();
+    }
     if levels == Levels::default() {
         return Ok(frame);
     }
     levels.light(&frame).or_raise()
+}
+
+/// Sensor values of no light; 0 by default.
+pub fn black(black_level: Option<&Bound<'_, PyAny>>) -> PyResult<Black> {
+    let Some(value) = black_level else { return Ok(Black::default()) };
+    match (value.extract::<f64>(), value.extract::<[f64; 4]>()) {
+        (Ok(level), _) => Black::new([level; 4]).or_raise(),
+        (_, Ok(levels)) => Black::new(levels).or_raise(),
+        _ => Err(wrong_type("black_level", value, "a number, or four for the 2x2 pixels from the first on")),
+    }
 }
 
 /// A curve from light to a picture's numbers.
@@ -87,7 +90,7 @@ pub fn curve(name: &str) -> PyResult<Curve> {
 
 /// Linear light of a frame.
 #[pyfunction]
-#[pyo3(signature = (raw, network, *, depth = None, phase = "rggb", black_level = None, white_level = None, stride = None))]
+#[pyo3(signature = (raw, network, *, depth = None, phase = "rggb", black_level = None, white_level = None, sensor = None, stride = None))]
 #[allow(clippy::too_many_arguments, reason = "what a frame is")]
 pub fn reconstruct<'py>(
     py: Python<'py>,
@@ -97,10 +100,11 @@ pub fn reconstruct<'py>(
     phase: &str,
     black_level: Option<&Bound<'py, PyAny>>,
     white_level: Option<f64>,
+    sensor: Option<&Bound<'py, PyAny>>,
     stride: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let (net, asked) = (net(network)?, stride.map(self::stride).transpose()?);
-    let raw = frame(raw, depth, phase, black_level, white_level)?;
+    let raw = frame(raw, depth, phase, black_level, white_level, sensor)?;
     let light = match net {
         Net::Float(network) => {
             let stride = asked.unwrap_or(Stride::PATCH);
@@ -153,7 +157,7 @@ impl PyBoardPicture {
 
 /// The codes that leave the board's HDMI port.
 #[pyfunction]
-#[pyo3(signature = (raw, network, *, depth = None, phase = "rggb", black_level = None, white_level = None, display = "colour", curve = "srgb"))]
+#[pyo3(signature = (raw, network, *, depth = None, phase = "rggb", black_level = None, white_level = None, sensor = None, display = "colour", curve = "srgb"))]
 #[allow(clippy::too_many_arguments, reason = "what a frame is")]
 pub fn board_picture(
     py: Python<'_>,
@@ -163,6 +167,7 @@ pub fn board_picture(
     phase: &str,
     black_level: Option<&Bound<'_, PyAny>>,
     white_level: Option<f64>,
+    sensor: Option<&Bound<'_, PyAny>>,
     display: &str,
     curve: &str,
 ) -> PyResult<PyBoardPicture> {
@@ -170,7 +175,7 @@ pub fn board_picture(
     let values = golden.network().origin.values;
     let display = Display::of_values(values, word::<DisplayMode>(display)?, self::curve(curve)?);
     // To the board leads a cable.
-    let raw = cable::carried(&frame(raw, depth, phase, black_level, white_level)?.encoded(values));
+    let raw = cable::carried(&frame(raw, depth, phase, black_level, white_level, sensor)?.encoded(values));
     let (out, (picture, shown)) = job::run(py, move |_| {
         let out = golden.frame(&raw)?;
         let picture = out.picture(&display);
@@ -203,13 +208,13 @@ pub fn cable_pixels<'py>(
     depth: Option<&Bound<'py, PyAny>>,
     phase: &str,
 ) -> PyResult<Bound<'py, PyArray2<u16>>> {
-    let raw = frame(raw, depth, phase, None, None)?;
+    let raw = frame(raw, depth, phase, None, None, None)?;
     Ok(raw.pixels().mapv(|word| u16::from_le_bytes(cable::codes(word))).into_pyarray(py))
 }
 
 /// Every word at every boundary, under the names of docs/contract.md, section 8.
 #[pyfunction]
-#[pyo3(signature = (raw, network, *, depth = None, phase = "rggb", black_level = None, white_level = None, display = "colour", curve = "srgb"))]
+#[pyo3(signature = (raw, network, *, depth = None, phase = "rggb", black_level = None, white_level = None, sensor = None, display = "colour", curve = "srgb"))]
 #[allow(clippy::too_many_arguments, reason = "what a frame is")]
 pub fn words<'py>(
     py: Python<'py>,
@@ -219,13 +224,14 @@ pub fn words<'py>(
     phase: &str,
     black_level: Option<&Bound<'py, PyAny>>,
     white_level: Option<f64>,
+    sensor: Option<&Bound<'py, PyAny>>,
     display: &str,
     curve: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     let golden = fixed(network)?;
     let values = golden.network().origin.values;
     let display = Display::of_values(values, word::<DisplayMode>(display)?, self::curve(curve)?);
-    let raw = frame(raw, depth, phase, black_level, white_level)?.encoded(values).into_owned();
+    let raw = frame(raw, depth, phase, black_level, white_level, sensor)?.encoded(values).into_owned();
     let (boundaries, out, picture) = job::run(py, move |_| {
         let out: GoldenFrame = golden.frame(&raw)?;
         let (picture, _) = out.picture(&display);
