@@ -42,7 +42,7 @@ fn frames(raw: &Bound<'_, PyAny>, depth: Option<&Bound<'_, PyAny>>, phase: &str)
         return Err(failed("raw: no frames, expected one at least"));
     }
     // As the calculator takes them: red first.
-    all.iter().map(|raw| Ok(frame(raw, depth, phase, None, None)?.to_rggb().0.into_owned())).collect()
+    all.iter().map(|raw| Ok(frame(raw, depth, phase, None, None, None)?.to_rggb().0.into_owned())).collect()
 }
 
 impl PyDesign {

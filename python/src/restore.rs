@@ -21,6 +21,7 @@ const MAX: usize = 1 << 20;
 /// A raw frame as a plain camera would show it.
 #[pyfunction]
 #[pyo3(signature = (raw, *, method = "malvar", depth = None, phase = "rggb", black_level = None, white_level = None, sensor = None))]
+#[allow(clippy::too_many_arguments, reason = "what a frame is")]
 pub fn demosaic<'py>(
     py: Python<'py>,
     raw: &Bound<'py, PyAny>,
