@@ -30,7 +30,7 @@ use std::sync::Arc;
 #[derive(Options)]
 #[command(after_help = "Examples:
   edof sensor --dark dark/*.png --flat flat/*.png --out sensor.safetensors
-  edof sensor --dark dark.raw --flat flat.raw --size 1920x1080 --packing 12p --out sensor.safetensors
+  edof sensor --dark dark.raw --flat flat.raw --size 1920x1080 --packing 12p --out s.safetensors
   edof sensor --list vendor.txt --size 1920x1080 --bit-depth 12 --out sensor.safetensors
   edof reconstruct raw.png --sensor sensor.safetensors --out sharp.png")]
 pub struct Args {
@@ -131,7 +131,7 @@ pub fn opened(path: Option<&Path>, ui: &Ui) -> Result<Option<Arc<Correction>>, E
     let Some(path) = path else { return Ok(None) };
     let (correction, input) = file::load(path)?;
     ui.used(input);
-    let lost = correction.defects().lost().count();
+    let lost = correction.defects().lost().len();
     if lost > 0 {
         ui.note(format!("{}: {}", path.display(), in_words_of_lost(lost)));
     }

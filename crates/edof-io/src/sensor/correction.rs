@@ -15,7 +15,7 @@ pub const GAIN_FRACTION: u32 = 14;
 /// Fraction bits of a place between four nodes.
 const PLACE_FRACTION: u32 = 2 * NODE_SPACING.trailing_zeros();
 
-/// What a correction consists of. Offsets are in raw pixel words: sensor values at the top of 16 bits.
+/// Holds what a correction consists of. Offsets are in raw pixel words: sensor values at the top of 16 bits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tables {
     /// Columns and rows of a frame.

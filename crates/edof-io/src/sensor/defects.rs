@@ -1,7 +1,6 @@
 //! The one repair of defective pixels: each becomes the median of the nearest good pixels of its colour (docs/sensor.md).
 
-use edof_core::CfaPhase;
-use edof_core::Channel;
+use edof_core::{CfaPhase, Channel};
 use ndarray::{Array2, ArrayViewMut2};
 use std::collections::BTreeMap;
 
@@ -12,26 +11,19 @@ pub const REACH: usize = 4;
 #[derive(Debug, Clone, PartialEq)]
 pub struct DefectMap {
     mask: Array2<bool>,
-    defects: Vec<Defect>,
+    phase: CfaPhase,
+    defects: Vec<(usize, usize)>,
 }
 
-/// A defective pixel, and the good pixels that its value is taken from.
-#[derive(Debug, Clone, PartialEq)]
-struct Defect {
-    at: (usize, usize),
-    sources: Vec<(usize, usize)>,
-}
+/// Offsets of pixels of the same colour, those at one distance together, the nearest first.
+type Rings = Vec<Vec<(isize, isize)>>;
 
 impl DefectMap {
     /// Returns the map of a mask, true where a pixel is defective, for a mosaic of that phase.
     #[must_use]
     pub fn new(mask: Array2<bool>, phase: CfaPhase) -> Self {
-        let [green, other] = [true, false].map(rings);
-        let defects = mask.indexed_iter().filter(|(_, is_bad)| **is_bad).map(|(at, _)| {
-            let rings = if phase.channel(at.0, at.1) == Channel::Green { &green } else { &other };
-            Defect { at, sources: nearest(&mask, at, rings) }
-        });
-        Self { defects: defects.collect(), mask }
+        let defects = mask.indexed_iter().filter(|(_, is_bad)| **is_bad).map(|(at, _)| at).collect();
+        Self { mask, phase, defects }
     }
 
     /// Returns the mask, true where a pixel is defective.
@@ -40,21 +32,11 @@ impl DefectMap {
         &self.mask
     }
 
-    /// Returns the number of defective pixels.
-    #[must_use]
-    pub const fn len(&self) -> usize {
-        self.defects.len()
-    }
-
-    /// Returns whether no pixel is defective.
-    #[must_use]
-    pub const fn is_empty(&self) -> bool {
-        self.defects.is_empty()
-    }
-
     /// Returns row and column of each defective pixel without a good pixel of its colour in reach, which no repair changes.
-    pub fn lost(&self) -> impl Iterator<Item = (usize, usize)> {
-        self.defects.iter().filter(|defect| defect.sources.is_empty()).map(|defect| defect.at)
+    #[must_use]
+    pub fn lost(&self) -> Vec<(usize, usize)> {
+        let rings = [true, false].map(rings);
+        self.defects.iter().copied().filter(|at| self.nearest(*at, &rings).next().is_none()).collect()
     }
 
     /// Repairs a mosaic in place; `kept` makes a pixel of a median. Only good pixels are read, so the order does not matter.
@@ -63,12 +45,29 @@ impl DefectMap {
     /// If the mosaic has another size than the map.
     pub fn repair<T: Copy + Into<f64>>(&self, mut mosaic: ArrayViewMut2<'_, T>, kept: impl Fn(f64) -> T) {
         assert_eq!(mosaic.dim(), self.mask.dim(), "the mosaic has another size than its map of defects");
-        let mut values = vec![];
-        for Defect { at, sources } in self.defects.iter().filter(|defect| !defect.sources.is_empty()) {
+        let (rings, mut values) = ([true, false].map(rings), vec![]);
+        for at in &self.defects {
             values.clear();
-            values.extend(sources.iter().map(|source| mosaic[*source].into()));
-            mosaic[*at] = kept(median(&mut values));
+            values.extend(self.nearest(*at, &rings).map(|source| mosaic[source].into()));
+            if !values.is_empty() {
+                mosaic[*at] = kept(median(&mut values));
+            }
         }
+    }
+
+    /// Returns the good pixels of the same colour at the least distance at which there is one.
+    fn nearest<'a>(
+        &'a self,
+        (row, column): (usize, usize),
+        [green, other]: &'a [Rings; 2],
+    ) -> impl Iterator<Item = (usize, usize)> + 'a {
+        let rings = if self.phase.channel(row, column) == Channel::Green { green } else { other };
+        let good = move |&(dr, dc): &(isize, isize)| {
+            let at = (row.checked_add_signed(dr)?, column.checked_add_signed(dc)?);
+            self.mask.get(at).filter(|is_bad| !**is_bad).map(|_| at)
+        };
+        let ring = rings.iter().find(|ring| ring.iter().any(|offset| good(offset).is_some()));
+        ring.into_iter().flatten().filter_map(good)
     }
 }
 
@@ -78,8 +77,8 @@ fn median(values: &mut [f64]) -> f64 {
     f64::midpoint(values[(values.len() - 1) / 2], values[values.len() / 2])
 }
 
-/// Offsets of pixels of the same colour, those at one distance together, the nearest first.
-fn rings(is_green: bool) -> Vec<Vec<(isize, isize)>> {
+/// Returns the rings within reach of a pixel that is green, or is not.
+fn rings(is_green: bool) -> Rings {
     let reach = REACH as isize;
     let same = |dr: isize, dc: isize| if is_green { (dr + dc) % 2 == 0 } else { dr % 2 == 0 && dc % 2 == 0 };
     let mut rings = BTreeMap::<isize, Vec<(isize, isize)>>::new();
@@ -89,20 +88,6 @@ fn rings(is_green: bool) -> Vec<Vec<(isize, isize)>> {
         }
     }
     rings.into_values().collect()
-}
-
-/// Returns the good pixels at the least distance at which there is one.
-fn nearest(
-    mask: &Array2<bool>,
-    (row, column): (usize, usize),
-    rings: &[Vec<(isize, isize)>],
-) -> Vec<(usize, usize)> {
-    let good = |&(dr, dc): &(isize, isize)| {
-        let at = (row.checked_add_signed(dr)?, column.checked_add_signed(dc)?);
-        mask.get(at).filter(|is_bad| !**is_bad).map(|_| at)
-    };
-    let found = rings.iter().map(|ring| ring.iter().filter_map(good).collect::<Vec<_>>());
-    found.into_iter().find(|found| !found.is_empty()).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -148,13 +133,13 @@ mod tests {
     #[test]
     fn where_nothing_good_is_in_reach_a_defect_stays_and_is_named() {
         // A block of 9 columns and 9 rows: only the middle has no good pixel within 4 rows and columns.
-        let block = |r: usize, c: usize| (1..10).contains(&r) && (1..10).contains(&c);
-        let mask = Array2::from_shape_fn((12, 12), |(r, c)| block(r, c));
+        let block = |r: usize, c: usize| (2..11).contains(&r) && (2..11).contains(&c);
+        let mask = Array2::from_shape_fn((14, 14), |(r, c)| block(r, c));
         let map = DefectMap::new(mask.clone(), CfaPhase::Rggb);
-        assert_eq!(map.lost().collect::<Vec<_>>(), [(5, 5)]);
+        assert_eq!(map.lost(), [(6, 6)]);
         let mut mosaic = mask.mapv(|is_bad| if is_bad { 60_000_u16 } else { 7 });
         map.repair(mosaic.view_mut(), |v| v as u16);
         let left = mosaic.indexed_iter().filter(|(_, v)| **v != 7).map(|(at, _)| at);
-        assert_eq!(left.collect::<Vec<_>>(), [(5, 5)]);
+        assert_eq!(left.collect::<Vec<_>>(), [(6, 6)]);
     }
 }

@@ -15,6 +15,9 @@ pub enum ListError {
     /// Cannot be read.
     #[error("{path}: cannot read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
+    /// No line.
+    #[error("{path}: names no defect, expected lines ROW,COLUMN counted from 0", path = path.display())]
+    Empty { path: PathBuf },
     /// A line of another form.
     #[error(
         "{path}: line {line}: '{text}', expected ROW,COLUMN counted from 0, with * for a whole row or column, as in 17,250 or *,250",
@@ -37,7 +40,7 @@ pub fn load(path: &Path) -> Result<Defects, ListError> {
             return Err(ListError::Line { path: path.to_owned(), line, text: text.to_owned() });
         }
     }
-    Ok(defects)
+    if defects == Defects::default() { Err(ListError::Empty { path: path.to_owned() }) } else { Ok(defects) }
 }
 
 /// Adds the defect of a line, if it is one.
@@ -66,6 +69,7 @@ mod tests {
         };
         let found = read("# of the vendor\n17, 250\n\n*,9 # dead\n 4,*\n0,0\n").unwrap();
         assert_eq!(found, Defects { pixels: vec![[17, 250], [0, 0]], columns: vec![9], rows: vec![4] });
+        assert!(read("# nothing\n").unwrap_err().to_string().contains("list.txt: names no defect"));
         for wrong in ["17", "17,", "-1,2", "*,*", "1,2,3", "1.5,2"] {
             let told = read(&format!("1,2\n{wrong}\n")).unwrap_err().to_string();
             assert!(told.contains(&format!("line 2: '{wrong}', expected ROW,COLUMN")), "{told}");

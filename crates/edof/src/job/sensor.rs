@@ -22,7 +22,7 @@ pub struct SensorJob {
     pub flat: Vec<PathBuf>,
     /// A list of known defects.
     pub list: Option<PathBuf>,
-    /// What is stated of all frames; the records beside them must agree.
+    /// Statements on all frames; the records beside them must agree.
     pub stated: Stated,
     /// How files are read where no record states it.
     pub options: RawOptions,
@@ -35,7 +35,7 @@ pub struct SensorJob {
 pub struct DarkFlat {
     dark: Option<Frames>,
     flat: Option<Frames>,
-    /// What was read.
+    /// Frames that were read, as inputs of results.
     pub inputs: Vec<Input>,
 }
 

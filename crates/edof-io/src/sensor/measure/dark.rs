@@ -19,14 +19,14 @@ pub struct Dark {
     pub black: [f64; 4],
     pub columns: Vec<f64>,
     pub rows: Vec<f64>,
-    /// What each pixel has beyond black, column and row, if the frames support it.
+    /// Offset of each pixel beyond black, column and row, if the frames support it.
     pub pixels: Option<Array2<f32>>,
     /// Hot and cold pixels.
     pub mask: Array2<bool>,
     pub report: DarkReport,
 }
 
-/// What dark frames show, in sensor values.
+/// Holds what dark frames show, in sensor values.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DarkReport {
     /// Number of frames.

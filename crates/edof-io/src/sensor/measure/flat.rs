@@ -23,7 +23,7 @@ pub struct Flat {
     pub report: FlatReport,
 }
 
-/// What flat frames show.
+/// Holds what flat frames show.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FlatReport {
     /// Number of frames.

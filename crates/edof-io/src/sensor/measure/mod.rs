@@ -47,7 +47,7 @@ impl Default for Limits {
     }
 }
 
-/// What a sensor is measured from; size, phase and depth are those of its frames.
+/// Holds what a sensor is measured from; size, phase and depth are those of its frames.
 #[derive(Debug)]
 pub struct Sensor<'a> {
     /// Columns and rows.
@@ -97,7 +97,7 @@ const fn colour(channel: Channel) -> &'static str {
     ["red", "green", "blue"][channel.plane()]
 }
 
-/// What was found.
+/// Holds what was found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
     /// Size of the frames.
@@ -106,10 +106,10 @@ pub struct Report {
     pub phase: CfaPhase,
     /// Bits of a sensor value.
     pub bit_depth: u32,
-    /// What dark frames show.
+    /// Report of the dark frames.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dark: Option<DarkReport>,
-    /// What flat frames show.
+    /// Report of the flat frames.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flat: Option<FlatReport>,
     /// Pixels that are repaired one by one.
@@ -181,7 +181,7 @@ impl Sensor<'_> {
             defective_pixels: pixels.len(),
             defective_columns: columns.clone(),
             defective_rows: rows.clone(),
-            lost: correction.defects().lost().collect(),
+            lost: correction.defects().lost(),
             clipped_gains,
         };
         Ok((correction, report))

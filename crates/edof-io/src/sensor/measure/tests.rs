@@ -61,11 +61,10 @@ impl Planted {
         Self { columns, hot, dead, lines, pattern }
     }
 
-    /// A quarter less light in the corners, and less of it in blue than in red.
+    /// Up to 30 % less light towards the last row and column, of each place another amount.
     fn shading(r: usize, c: usize) -> f64 {
-        let (y, x) = (r as f64 / 60.0 - 1.0, c as f64 / 80.0 - 1.0);
-        let of_colour = [0.15, 0.125, 0.125, 0.1][place(r, c)];
-        1.0 - of_colour * (y * y + x * x)
+        let (y, x) = (r as f64 / 120.0, c as f64 / 160.0);
+        1.0 - [0.15, 0.125, 0.125, 0.1][place(r, c)] * (y + x)
     }
 
     fn frames(&self, count: usize, light: f64, seed: u64) -> Frames {
@@ -109,16 +108,16 @@ fn what_was_planted_is_found_and_nothing_else() {
     assert_eq!((told.hot, told.cold, told.per_pixel, report.lost.len()), (40, 0, false, 0));
     assert!((told.noise - NOISE).abs() < 0.1, "{}", told.noise);
     // Offsets in words of 16 bits: 16 in a sensor value.
-    for (c, planted) in planted.columns.iter().enumerate().filter(|(c, _)| ![60, 101].contains(c)) {
-        let found = f64::from(tables.black[c % 2]) + f64::from(tables.columns[c]);
-        assert!((found / 16.0 - BLACK - planted).abs() < 0.8, "{c}: {found} {planted}");
+    for ((r, c), found) in tables.offsets().indexed_iter().filter(|((_, c), _)| !planted.lines.contains(c)) {
+        let (found, planted) = (f64::from(*found) / 16.0, BLACK + planted.columns[c]);
+        assert!((found - planted).abs() < 1.0, "{r}, {c}: {found} {planted}");
     }
     for (at, gain) in correction.light(&flat_frame(&planted)).unwrap().pixels().indexed_iter() {
         let expected = 65536.0 * 2000.0 / (4096.0 - BLACK);
         assert!((f64::from(*gain) / expected - 1.0).abs() < 0.02, "{at:?}: {gain} of {expected}");
     }
     let shading = report.flat.unwrap().shading;
-    assert!(shading.iter().zip([1.43, 1.33, 1.25]).all(|(a, b)| (a - b).abs() < 0.04), "{shading:?}");
+    assert!(shading.iter().zip([1.35, 1.45, 1.35]).all(|(a, b)| (a - b).abs() < 0.04), "{shading:?}");
 }
 
 /// A flat frame without noise.
@@ -147,8 +146,8 @@ fn pixels_have_offsets_of_their_own_where_the_frames_support_it() {
         (off.iter().map(|v| v * v).sum::<f64>() / off.len() as f64).sqrt()
     };
     assert!(left < 1.6, "{left}");
-    // Two frames know less of a pixel than its column and row do.
-    for frames in [1, 2] {
+    // One frame tells no pattern from noise; two know less of a pixel than its column and row do where the pattern is faint.
+    for (planted, frames) in [(planted, 1), (Planted::new(2.0), 2)] {
         let (few, report) = of(&planted.frames(frames, 0.0, 5));
         assert!(few.tables().pixels.is_none() && !report.dark.unwrap().per_pixel, "{frames}");
     }
@@ -160,11 +159,11 @@ fn frames_without_noise_make_no_defects() {
     let one = Frames::new(&flat_frame(&planted));
     let (correction, report) =
         sensor(None, Some(&one)).measured(&Limits { black: Black::from(256), ..Limits::default() }).unwrap();
-    assert_eq!((correction.defects().len(), report.flat.unwrap().dead), (0, 0));
+    assert_eq!((&correction.tables().defects, report.flat.unwrap().dead), (&Defects::default(), 0));
     let dark =
         Frames::new(&RawFrame::from_values(Array2::from_elem((120, 160), 64), 12, CfaPhase::Grbg).unwrap());
     let (correction, report) = sensor(Some(&dark), None).measured(&Limits::default()).unwrap();
-    assert_eq!((correction.defects().len(), report.dark.unwrap().black), (0, [64.0; 4]));
+    assert_eq!((&correction.tables().defects, report.dark.unwrap().black), (&Defects::default(), [64.0; 4]));
 }
 
 #[test]
@@ -180,7 +179,7 @@ fn frames_that_show_nothing_are_rejected_by_name() {
         "{}",
         refused(60.0, limits)
     );
-    assert!(refused(3800.0, limits).contains("expected 5 to 90 %; change exposure or light"));
+    assert!(refused(4200.0, limits).contains("expected 5 to 90 %; change exposure or light"));
     let white = |white: f64| refused(2000.0, Limits { white: Some(white), ..limits });
     assert_eq!(white(200.0), "white level 200: must be above black, 256.0, and at most 4096");
     assert!(white(1000.0).contains("is less than a quarter of full scale, 4096; state the bits"));
