@@ -28,6 +28,11 @@ need_simulators() {
     [ "${#missing[@]}" -eq 0 ] || install_packages "${missing[@]}"
 }
 
+# Installs ffmpeg, where it is missing: for whoever records streams.
+need_ffmpeg() {
+    command -v ffmpeg >/dev/null && command -v ffprobe >/dev/null || install_packages ffmpeg
+}
+
 # Installs a driver for OpenCL that runs on the processor (pocl), where there is none at all. A driver that was removed may leave its name.
 need_opencl() {
     if ! ldconfig -p | grep 'libOpenCL\.so' >/dev/null || [ -z "$(ls /etc/OpenCL/vendors/*.icd 2>/dev/null)" ]; then

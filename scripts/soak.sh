@@ -52,6 +52,7 @@ first-light     tests circuits first_light::
 litex           scripts/test-litex.sh
 litex-target    scripts/test-litex-target.sh
 peers           scripts/test-peers.sh
+stream          scripts/test-stream.sh
 dng             scripts/test-dng.sh --random 5000 --seed 1000
 gpu             scripts/test-gpu.sh
 proofs          scripts/prove.sh --all

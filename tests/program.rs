@@ -26,6 +26,7 @@ mod provenance;
 mod random_designs;
 mod refusals;
 mod saturations;
+mod sensor;
 mod soak;
 mod stopping;
 mod streams;

@@ -135,6 +135,19 @@ pub fn raw(bytes: &[u8]) {
     let _ = edof_io::raw::open(&file("frame", bytes), &options, &Overrides::default());
 }
 
+/// Sensor files, each used on a frame.
+pub fn sensor(bytes: &[u8]) {
+    if let Ok((sensor, _)) = edof_io::sensor::file::load(&file("sensor.safetensors", bytes)) {
+        let Size { width, height } = sensor.tables().size;
+        sensor.correct(ndarray::Array2::from_elem((height, width), 40_000).view_mut());
+    }
+}
+
+/// Lists of a sensor's defects.
+pub fn defects(bytes: &[u8]) {
+    let _ = edof_io::sensor::list::load(&file("defects.txt", bytes));
+}
+
 /// Scenes of layers.
 pub fn scene(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };

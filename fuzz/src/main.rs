@@ -44,6 +44,8 @@ const TARGETS: &[Target] = &[
     Target { name: "pnm", most_bytes: OF_FILE, run: files::pnm, seeds: seeds::pnms },
     Target { name: "scene", most_bytes: OF_FILE, run: files::scene, seeds: seeds::scenes },
     Target { name: "record", most_bytes: OF_FILE, run: files::record, seeds: seeds::records },
+    Target { name: "sensor", most_bytes: OF_FILE, run: files::sensor, seeds: seeds::sensors },
+    Target { name: "defects", most_bytes: OF_FILE, run: files::defects, seeds: seeds::defects },
     Target { name: "dictionary", most_bytes: OF_FILE, run: files::dictionary, seeds: seeds::dictionaries },
     Target { name: "rows", most_bytes: OF_FILE, run: files::rows, seeds: seeds::rows },
     Target { name: "replies", most_bytes: OF_FILE, run: replies::run, seeds: replies::seeds },

@@ -4,6 +4,7 @@ use edof_core::camera::Camera;
 use edof_core::{CfaPhase, ColourFrame, RawFrame};
 use edof_io::photo;
 use edof_io::samples::Samples;
+use edof_io::sensor::{Correction, Defects, Tables};
 use edof_network::weight_file::{save_fixed, save_network};
 use edof_study::methods::dictionary::{self, Recipe};
 use ndarray::{Array1, Array2, Array3};
@@ -46,6 +47,22 @@ fn repository(folder: &str, names: &[&str]) -> Vec<Vec<u8>> {
         .iter()
         .map(|name| std::fs::read(root.join(folder).join(name)).expect("a file of the repository"))
         .collect()
+}
+
+/// A sensor file of a small sensor.
+pub fn sensors() -> Vec<Vec<u8>> {
+    let size = edof_io::raw::Size { width: 40, height: 36 };
+    let mut tables = Tables::plain(size, CfaPhase::Grbg, 12, [1000.0; 4], 65536.0);
+    tables.pixels = Some(Array2::zeros((36, 40)));
+    tables.defects = Defects { pixels: vec![[3, 4]], columns: vec![7], rows: vec![9] };
+    let correction = Correction::new(tables).expect("tables of a small sensor");
+    vec![written("sensor.safetensors", |path| {
+        edof_io::sensor::file::save(path, &correction, None).expect("a small sensor file can be written")
+    })]
+}
+
+pub fn defects() -> Vec<Vec<u8>> {
+    vec![b"# known\n17,250\n*,9\n4,* # row\n".to_vec()]
 }
 
 pub fn designs() -> Vec<Vec<u8>> {

@@ -24,6 +24,7 @@ _Design = Union[Design, _Path]
 _Net = Union[Network, FixedNetwork, _Path]
 _Fixed = Union[FixedNetwork, _Path]
 _Raw = NDArray[np.uint16]
+_Sensor = Union[Sensor, _Path]
 _Light = NDArray[np.float32]
 # What is converted to them.
 _Numbers = NDArray[Union[np.integer[Any], np.floating[Any]]]
@@ -329,6 +330,59 @@ class BoardPicture:
         """What a screen shows: encoded numbers, 0 to 1."""
 
 @final
+class Sensor:
+    """Correction of a sensor: offsets, shading and defective pixels (docs/sensor.md)."""
+
+    @staticmethod
+    def load(path: _Path) -> Sensor:
+        """A sensor file, as `edof sensor` writes it."""
+
+    @staticmethod
+    def measure(
+        dark: Optional[_Numbers] = None,
+        flat: Optional[_Numbers] = None,
+        *,
+        bit_depth: Optional[SupportsIndex] = None,
+        phase: str = "rggb",
+        black_level: Union[float, Sequence[float], None] = None,
+        white_level: Optional[float] = None,
+        hot: Optional[float] = None,
+        dead: Optional[float] = None,
+        pixels: Sequence[Sequence[int]] = ...,
+        columns: Sequence[int] = ...,
+        rows: Sequence[int] = ...,
+    ) -> Sensor:
+        """From dark and flat frames (frames x rows x columns each; one of both may be left out) and known defects, as `edof sensor` does. `black_level`: where
+        there are no dark frames. `hot`: standard deviations of the noise (default 6); `dead`: part of the response to light (default
+        0.15); `pixels`: row and column of each."""
+
+    def save(self, path: _Path) -> None:
+        """Writes a sensor file."""
+
+    def light(self, raw: _Numbers) -> _Raw:
+        """Sensor values as light of 16 bits, as `sensor=` of other functions sees them: offsets taken off, shading made up for, defects repaired."""
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of its frames."""
+
+    @property
+    def phase(self) -> str:
+        """Colour filter of the first 2x2 pixels."""
+
+    @property
+    def bit_depth(self) -> int:
+        """Bits of a sensor value."""
+
+    @property
+    def defects(self) -> NDArray[np.bool_]:
+        """True where a pixel is repaired."""
+
+    @property
+    def report(self) -> Any:
+        """What was found, as `edof sensor --json` has it; None of a file."""
+
+@final
 class Design:
     """A calculator and the board around it (crates edof-device, edof-hdl). `Design("kc705")`, or a JSON file."""
 
@@ -550,10 +604,12 @@ def reconstruct(
     black_level: Union[float, Sequence[float], None] = None,
     white_level: Optional[float] = None,
     camera: Optional[_Camera] = None,
+    sensor: Optional[_Sensor] = None,
     stride: Optional[SupportsIndex] = None,
 ) -> _Light:
     """Linear light of a raw frame: with a Network in floating point (`stride` 2, 4 or 8, default 8), with a FixedNetwork, a name or a file in the board's
-    integers (docs/contract.md, section 6, as RGB). `bit_depth`: bits, 8 to 16 (default 16). Levels are sensor values. `camera` took the frame (default: that
+    integers (docs/contract.md, section 6, as RGB). `bit_depth`: bits, 8 to 16 (default 16). Levels are sensor values; `sensor`, a correction, takes
+    their place. `camera` took the frame (default: that
     of a Capture); a network that was trained for another lens is rejected. For an array without `camera` nobody can tell."""
 
 def board_picture(
@@ -565,6 +621,7 @@ def board_picture(
     black_level: Union[float, Sequence[float], None] = None,
     white_level: Optional[float] = None,
     camera: Optional[_Camera] = None,
+    sensor: Optional[_Sensor] = None,
     display: str = "colour",
     curve: str = "srgb",
 ) -> BoardPicture:
@@ -580,6 +637,7 @@ def words(
     black_level: Union[float, Sequence[float], None] = None,
     white_level: Optional[float] = None,
     camera: Optional[_Camera] = None,
+    sensor: Optional[_Sensor] = None,
     display: str = "colour",
     curve: str = "srgb",
 ) -> dict[str, NDArray[Any]]:
@@ -606,6 +664,7 @@ def demosaic(
     phase: Optional[str] = None,
     black_level: Union[float, Sequence[float], None] = None,
     white_level: Optional[float] = None,
+    sensor: Optional[_Sensor] = None,
 ) -> _Light:
     """The frame as a plain camera would show it: malvar (Malvar, He, Cutler) or directional (Menon, Andriani, Calvagno)."""
 

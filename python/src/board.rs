@@ -188,7 +188,7 @@ impl PyBoard {
         baud: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let (design, golden) = (self::design(design)?, fixed(network)?);
-        let raw = shot::frame(raw, bit_depth, phase, None, None)?;
+        let raw = shot::frame(raw, bit_depth, phase, None, None, None)?;
         let raw = cable::carried(&raw.encoded(golden.network().origin.values));
         let (found, frame) = (raw.size(), design.frame);
         if found != (frame.height, frame.width) {

@@ -48,7 +48,7 @@ fn frames(
     }
     // As the calculator takes them: red first.
     all.iter()
-        .map(|raw| Ok(shot::frame(raw, bit_depth, phase, None, None)?.to_rggb().0.into_owned()))
+        .map(|raw| Ok(shot::frame(raw, bit_depth, phase, None, None, None)?.to_rggb().0.into_owned()))
         .collect()
 }
 

@@ -13,6 +13,7 @@
 //! | networks, float and fixed | [`network`] |
 //! | training | [`train`] |
 //! | from raw frames to pictures | [`reconstruct`] |
+//! | corrections of sensors | [`sensor`] |
 //! | picture files and metrics | [`pictures`] |
 //! | demosaicing, deconvolution, pursuits | [`restore`] |
 //! | designs and their sources | [`design`] |
@@ -35,6 +36,7 @@ mod pictures;
 mod reconstruct;
 mod restore;
 mod scene;
+mod sensor;
 mod shot;
 mod train;
 
@@ -50,6 +52,7 @@ fn _edof(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<network::PyNetwork>()?;
     module.add_class::<network::PyFixedNetwork>()?;
     module.add_class::<reconstruct::PyBoardPicture>()?;
+    module.add_class::<sensor::PySensor>()?;
     module.add_class::<design::PyDesign>()?;
     module.add_class::<board::PyBoard>()?;
     let functions = [

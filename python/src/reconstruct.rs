@@ -64,7 +64,7 @@ pub fn curve(name: &str) -> PyResult<Curve> {
 
 /// Linear light of a frame.
 #[pyfunction]
-#[pyo3(signature = (raw, network, *, bit_depth = None, phase = None, black_level = None, white_level = None, camera = None, stride = None))]
+#[pyo3(signature = (raw, network, *, bit_depth = None, phase = None, black_level = None, white_level = None, camera = None, sensor = None, stride = None))]
 #[allow(clippy::too_many_arguments, reason = "what a frame is")]
 pub fn reconstruct<'py>(
     py: Python<'py>,
@@ -75,11 +75,12 @@ pub fn reconstruct<'py>(
     black_level: Option<&Bound<'py, PyAny>>,
     white_level: Option<f64>,
     camera: Option<&Bound<'py, PyAny>>,
+    sensor: Option<&Bound<'py, PyAny>>,
     stride: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let (net, asked) = (net(network)?, stride.map(self::stride).transpose()?);
     check_lens(raw, camera, net.origin())?;
-    let raw = frame(raw, bit_depth, phase, black_level, white_level)?;
+    let raw = frame(raw, bit_depth, phase, black_level, white_level, sensor)?;
     let light = match net {
         Net::Float(network) => {
             let stride = asked.unwrap_or(Stride::PATCH);
@@ -132,7 +133,7 @@ impl PyBoardPicture {
 
 /// The codes that leave the board's HDMI port.
 #[pyfunction]
-#[pyo3(signature = (raw, network, *, bit_depth = None, phase = None, black_level = None, white_level = None, camera = None, display = "colour", curve = "srgb"))]
+#[pyo3(signature = (raw, network, *, bit_depth = None, phase = None, black_level = None, white_level = None, camera = None, sensor = None, display = "colour", curve = "srgb"))]
 #[allow(clippy::too_many_arguments, reason = "what a frame is")]
 pub fn board_picture(
     py: Python<'_>,
@@ -143,6 +144,7 @@ pub fn board_picture(
     black_level: Option<&Bound<'_, PyAny>>,
     white_level: Option<f64>,
     camera: Option<&Bound<'_, PyAny>>,
+    sensor: Option<&Bound<'_, PyAny>>,
     display: &str,
     curve: &str,
 ) -> PyResult<PyBoardPicture> {
@@ -151,7 +153,8 @@ pub fn board_picture(
     let values = golden.network().origin.values;
     let display = Display::of_values(values, word::<DisplayMode>(display)?, self::curve(curve)?);
     // To the board leads a cable.
-    let raw = cable::carried(&frame(raw, bit_depth, phase, black_level, white_level)?.encoded(values));
+    let raw =
+        cable::carried(&frame(raw, bit_depth, phase, black_level, white_level, sensor)?.encoded(values));
     let (out, (picture, shown)) = job::run(py, move |_| {
         let out = golden.frame(&raw)?;
         let picture = out.picture(&display);
@@ -184,13 +187,13 @@ pub fn cable_pixels<'py>(
     bit_depth: Option<&Bound<'py, PyAny>>,
     phase: Option<&str>,
 ) -> PyResult<Bound<'py, PyArray2<u16>>> {
-    let raw = frame(raw, bit_depth, phase, None, None)?;
+    let raw = frame(raw, bit_depth, phase, None, None, None)?;
     Ok(raw.pixels().mapv(|word| u16::from_le_bytes(cable::codes(word))).into_pyarray(py))
 }
 
 /// Every word at every boundary, under the names of docs/contract.md, section 8.
 #[pyfunction]
-#[pyo3(signature = (raw, network, *, bit_depth = None, phase = None, black_level = None, white_level = None, camera = None, display = "colour", curve = "srgb"))]
+#[pyo3(signature = (raw, network, *, bit_depth = None, phase = None, black_level = None, white_level = None, camera = None, sensor = None, display = "colour", curve = "srgb"))]
 #[allow(clippy::too_many_arguments, reason = "what a frame is")]
 pub fn words<'py>(
     py: Python<'py>,
@@ -201,6 +204,7 @@ pub fn words<'py>(
     black_level: Option<&Bound<'py, PyAny>>,
     white_level: Option<f64>,
     camera: Option<&Bound<'py, PyAny>>,
+    sensor: Option<&Bound<'py, PyAny>>,
     display: &str,
     curve: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -208,7 +212,7 @@ pub fn words<'py>(
     check_lens(raw, camera, &golden.network().origin)?;
     let values = golden.network().origin.values;
     let display = Display::of_values(values, word::<DisplayMode>(display)?, self::curve(curve)?);
-    let raw = frame(raw, bit_depth, phase, black_level, white_level)?.encoded(values).into_owned();
+    let raw = frame(raw, bit_depth, phase, black_level, white_level, sensor)?.encoded(values).into_owned();
     let (boundaries, out, picture) = job::run(py, move |_| {
         let out: GoldenFrame = golden.frame(&raw)?;
         let (picture, _) = out.picture(&display);

@@ -20,7 +20,8 @@ const MAX: usize = 1 << 20;
 
 /// A raw frame as a plain camera would show it.
 #[pyfunction]
-#[pyo3(signature = (raw, *, method = "malvar", bit_depth = None, phase = None, black_level = None, white_level = None))]
+#[pyo3(signature = (raw, *, method = "malvar", bit_depth = None, phase = None, black_level = None, white_level = None, sensor = None))]
+#[allow(clippy::too_many_arguments, reason = "what a frame is")]
 pub fn demosaic<'py>(
     py: Python<'py>,
     raw: &Bound<'py, PyAny>,
@@ -29,13 +30,14 @@ pub fn demosaic<'py>(
     phase: Option<&str>,
     black_level: Option<&Bound<'py, PyAny>>,
     white_level: Option<f64>,
+    sensor: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let way: Box<dyn Reconstructor + Send> = match method {
         "malvar" => Box::new(Malvar::default()),
         "directional" => Box::new(Directional::default()),
         _ => return Err(failed(format!("method '{method}': must be malvar or directional"))),
     };
-    let raw = frame(raw, bit_depth, phase, black_level, white_level)?;
+    let raw = frame(raw, bit_depth, phase, black_level, white_level, sensor)?;
     let light = job::run(py, move |_| way.reconstruct(&raw))?.or_raise()?.frame;
     Ok(light.planes.into_pyarray(py))
 }

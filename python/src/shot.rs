@@ -25,16 +25,18 @@ pub fn is_one(raw: &Bound<'_, PyAny>) -> bool {
     capture(raw).is_some() || raw.cast::<PyUntypedArray>().is_ok()
 }
 
-/// Returns a raw frame as light, from its sensor values and what darkness and full light are in it.
+/// Returns a raw frame as light, from its sensor values and what darkness and full light are in it, or a correction of its sensor.
 pub fn frame(
     raw: &Bound<'_, PyAny>,
     bit_depth: Option<&Bound<'_, PyAny>>,
     phase: Option<&str>,
     black_level: Option<&Bound<'_, PyAny>>,
     white_level: Option<f64>,
+    correction: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<RawFrame> {
     let bit_depth = bit_depth.map(|value| whole(value, "bit_depth", 8, 16)).transpose()?;
     let phase = phase.map(word::<CfaPhase>).transpose()?;
+    let states_levels = black_level.is_some() || white_level.is_some();
     let black = black_level.map(self::black_level).transpose()?;
     let capture = capture(raw);
     let sensor = capture.map(|capture| &capture.sensor);
@@ -44,6 +46,12 @@ pub fn frame(
     let values = capture.map_or(raw, |capture| capture.raw.bind(raw.py()).as_any());
     let values = array::<u16, Ix2>(values, "raw", "rows x columns of sensor values, or a Capture")?;
     let frame = RawFrame::from_view(values.as_array(), bit_depth as u32, phase).or_raise()?;
+    if let Some(correction) = correction {
+        if states_levels {
+            return Err(failed("black_level, white_level: the sensor states them; leave them out"));
+        }
+        return crate::sensor::sensor(correction)?.light(&frame).or_raise();
+    }
     let levels = Levels { black: black.unwrap_or_default(), white: white_level };
     if levels == Levels::default() {
         return Ok(frame);
@@ -51,7 +59,8 @@ pub fn frame(
     levels.light(&frame).or_raise()
 }
 
-fn black_level(value: &Bound<'_, PyAny>) -> PyResult<Black> {
+/// Sensor values of no light.
+pub fn black_level(value: &Bound<'_, PyAny>) -> PyResult<Black> {
     match (value.extract::<f64>(), value.extract::<[f64; 4]>()) {
         (Ok(level), _) => Black::new([level; 4]).or_raise(),
         (_, Ok(levels)) => Black::new(levels).or_raise(),

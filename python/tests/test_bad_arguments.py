@@ -24,6 +24,7 @@ CAMERA = edof.Camera("ring-outer")
 SHOT = edof.capture(LIGHT, CAMERA, 1.0)
 TINY = edof.Design("tiny")
 SMALL = TINY.random_network(1)
+SENSOR = edof.Sensor.measure(RAW[None], bit_depth=12)
 
 
 def spoilt(array: NDArray[Any], value: float) -> NDArray[Any]:
@@ -200,6 +201,17 @@ def cases() -> list[Case]:
         ("reconstruct black three", lambda: edof.reconstruct(RAW, NET, black_level=[1.0, 2.0, 3.0]), TypeError, "black_level: list, expected a number, or four"),
         ("reconstruct white", lambda: edof.reconstruct(RAW, NET, white_level=0.0), ERROR, "white level 0: must be more than 0"),
         ("reconstruct white below black", lambda: edof.reconstruct(RAW, NET, black_level=80, white_level=70.0), ERROR, "black level 80: must be less than the white level"),
+        ("sensor of another frame", lambda: edof.reconstruct(RAW, NET, sensor=SENSOR), ERROR, "with 16 bits, expected one of 48x32 of phase rggb with 12 bits"),
+        ("sensor and black", lambda: edof.reconstruct(RAW, NET, sensor=SENSOR, black_level=1), ERROR, "black_level, white_level: the sensor states them"),
+        ("sensor number", lambda: edof.reconstruct(RAW, NET, sensor=3), TypeError, "sensor: int, expected a Sensor, or the path"),
+        ("sensor file", lambda: edof.Sensor.load(__file__), ERROR, "test_bad_arguments.py: not a whole safetensors file"),
+        ("sensor of nothing", lambda: edof.Sensor.measure(), ERROR, "dark, flat: no frames"),
+        ("sensor of no frame", lambda: edof.Sensor.measure(RAW[None][:0]), ERROR, "dark: no frames, expected at least one"),
+        ("sensor of one frame", lambda: edof.Sensor.measure(RAW), ERROR, "dark: 2 dimensions, expected 3"),
+        ("sensor dark and black", lambda: edof.Sensor.measure(RAW[None], black_level=3), ERROR, "black_level: dark frames state it"),
+        ("sensor hot", lambda: edof.Sensor.measure(RAW[None], hot=0.0), ERROR, "hot 0: must be more than 0"),
+        ("sensor defect", lambda: edof.Sensor.measure(RAW[None], columns=[48]), ERROR, "defective column 48: outside of frames of 48x32"),
+        ("sensor dark flat", lambda: edof.Sensor.measure(flat=RAW[None]), ERROR, "flat frames: the light of red is 1.1 % of full scale"),
         ("words of a float network", lambda: edof.words(RAW, FLOAT), TypeError, "network: Network, expected a FixedNetwork"),
         ("board display", lambda: edof.board_picture(RAW, NET, display="grey"), ERROR, "grey"),
         ("board curve", lambda: edof.board_picture(RAW, NET, curve="log"), ERROR, "curve 'log': must be linear, srgb or bt709"),

@@ -146,6 +146,44 @@ def test_fixed_pictures_and_levels_are_those_of_the_program(run: Run, tmp_path: 
     assert (tmp_path / "own.tif").read_bytes() == (tmp_path / "sharp.tif").read_bytes()
 
 
+def test_a_sensor_is_measured_and_corrected_as_by_the_program(run: Run, tmp_path: Path, light: Picture) -> None:
+    rng = np.random.default_rng(2)
+    shape = light.shape[1:]
+    offsets = 200 + rng.normal(0.0, 5.0, shape[1])[None, :] + np.where(rng.random(shape) < 0.002, 900.0, 0.0)
+
+    def frames(level: float) -> NDArray[np.uint16]:
+        values = offsets + level + rng.normal(0.0, 3.0, (6, *shape))
+        return np.clip(np.rint(values), 0, 4095).astype(np.uint16)
+
+    dark, flat = frames(0.0), frames(1800.0)
+    flat[:, :, 31] = 0
+    for kind, all in (("dark", dark), ("flat", flat)):
+        (tmp_path / f"{kind}.raw").write_bytes(all.astype("<u2").tobytes())
+    size = f"{shape[1]}x{shape[0]}"
+    run("sensor", "--dark", "dark.raw", "--flat", "flat.raw", "--size", size, "--bit-depth", 12, "--phase", "gbrg",
+        "--out", "sensor.safetensors", "--json", "sensor.json", "-q")  # fmt: skip
+    sensor = edof.Sensor.measure(dark, flat, bit_depth=12, phase="gbrg")
+    report = json.loads((tmp_path / "sensor.json").read_text())
+    for field, value in sensor.report.items():
+        assert report[field] == value, field
+    assert (sensor.shape, sensor.phase, sensor.bit_depth) == (shape, "gbrg", 12)
+    assert bool(sensor.defects[:, 31].all())
+    assert bool(sensor.defects[offsets > 900].all())
+
+    raw = np.clip(offsets + 3000 * light[1], 0, 4095).astype(np.uint16)
+    loaded = edof.Sensor.load(tmp_path / "sensor.safetensors")
+    same(loaded.light(raw), sensor.light(raw))
+    sensor.save(tmp_path / "own.safetensors")
+    raw_file(tmp_path / "raw.pgm", raw, 12)
+    run("reconstruct", "raw.pgm", "--phase", "gbrg", "--sensor", "own.safetensors", "--bits", 16, "--out", "sharp.tif", "-q")
+    name = "edof-t4w12-outer-light"
+    sharp = edof.reconstruct(raw, name, bit_depth=12, phase="gbrg", sensor=sensor)
+    same(edof.reconstruct(sensor.light(raw), name, phase="gbrg"), sharp)
+    same(edof.reconstruct(raw, name, bit_depth=12, phase="gbrg", sensor=tmp_path / "sensor.safetensors"), sharp)
+    edof.save_picture(tmp_path / "own.tif", sharp, bits=16)
+    assert (tmp_path / "own.tif").read_bytes() == (tmp_path / "sharp.tif").read_bytes()
+
+
 @pytest.mark.parametrize("bits,stride", [(16, 8), (12, 4), (8, 2)])
 def test_quantization_gives_the_words_of_the_program(run: Run, tmp_path: Path, bits: int, stride: int) -> None:
     rng = np.random.default_rng(bits)

@@ -158,7 +158,8 @@ def plane_opcodes(pixels, shot, name, largest):
 
 
 def repair(pixels, number, data, unit):
-    """Gives bad pixels the mean of the nearest good ones of their colour: cells of one colour are two apart, greens also on diagonals."""
+    """Gives bad pixels the median of the nearest good ones of their colour: cells of one colour are two apart, greens also on diagonals.
+    Good ones count at most 4 rows and columns away (docs/sensor.md, 3)."""
     height, width = pixels.shape
     bad = np.zeros(pixels.shape, bool)
     if number == 4:
@@ -177,10 +178,12 @@ def repair(pixels, number, data, unit):
     source = pixels.copy()
     rows, columns = np.indices(pixels.shape)
     for row, column in np.argwhere(bad):
-        good = ~bad & (colours == colours[row, column])
-        distance = (rows - row) ** 2 + (columns - column) ** 2
-        nearest = good & (distance == distance[good].min())
-        pixels[row, column] = source[nearest].mean()
+        in_reach = (abs(rows - row) <= 4) & (abs(columns - column) <= 4)
+        good = ~bad & (colours == colours[row, column]) & in_reach
+        if good.any():
+            distance = (rows - row) ** 2 + (columns - column) ** 2
+            nearest = good & (distance == distance[good].min())
+            pixels[row, column] = np.median(source[nearest])
 
 
 def centred(size, centre):

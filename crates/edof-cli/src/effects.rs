@@ -21,7 +21,7 @@ use Needs::{Elsewhere, With, Without};
 /// A command's words, with `*` for any; an option; what it needs.
 type Row = (&'static [&'static str], &'static str, Needs);
 
-const ROWS: [Row; 28] = [
+const ROWS: [Row; 31] = [
     (&["capture"], "map_of", With("depth_map")),
     (&["capture"], "layers", With("depth_map")),
     (&["capture"], "values", With("video")),
@@ -35,6 +35,9 @@ const ROWS: [Row; 28] = [
     (&["reconstruct"], "order", With("size")),
     (&["reconstruct"], "bits", Without("board")),
     (&["reconstruct"], "display", Without("float")),
+    (&["sensor"], "order", With("size")),
+    (&["sensor"], "hot", With("dark")),
+    (&["sensor"], "dead", With("flat")),
     (&["random-network"], "kind", Without("design")),
     (&["random-network"], "form", Without("design")),
     (&["random-network"], "bits", Without("design")),

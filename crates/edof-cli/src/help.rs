@@ -16,7 +16,7 @@ const EVERYWHERE: [Group; 5] = [
 ];
 
 /// Options of the commands that have many, by command; the first group that names an option has it.
-const COMMANDS: [(&str, &[Group]); 14] = [
+const COMMANDS: [(&str, &[Group]); 15] = [
     (
         "capture",
         &[
@@ -33,7 +33,7 @@ const COMMANDS: [(&str, &[Group]); 14] = [
             ("Network", "weights fixed float device stride"),
             ("Lens of the frame", "camera psf-bank centre"),
             ("Format of the frame", "phase bit-depth video size align order packing"),
-            ("Levels and colours", "black-level white-level white-balance colour-matrix"),
+            ("Levels and colours", "sensor black-level white-level white-balance colour-matrix"),
             ("Picture", "out tone gamma bits board display words force"),
         ],
     ),
@@ -41,9 +41,18 @@ const COMMANDS: [(&str, &[Group]); 14] = [
         "stream",
         &[
             ("Format of the frames", "size packing phase bit-depth order"),
-            ("Levels and colours", "black-level white-level white-balance colour-matrix"),
+            ("Levels and colours", "sensor black-level white-level white-balance colour-matrix"),
             ("Network", "weights gain"),
             ("Pictures", "out format fps gamma live"),
+        ],
+    ),
+    (
+        "sensor",
+        &[
+            ("Frames and defects", "dark flat list"),
+            ("Limits", "hot dead"),
+            ("Format of the frames", "size packing phase bit-depth align order"),
+            ("Levels", "black-level white-level"),
         ],
     ),
     (

@@ -33,6 +33,8 @@ pub enum Kind {
     Picture,
     /// A network or a dictionary.
     Weights,
+    /// A correction of a sensor.
+    Sensor,
     /// Pixels without a header.
     Pixels,
     /// A raw frame of another format, by the name of its files.
@@ -97,6 +99,7 @@ impl Kind {
             Self::Junit => begins(&["<testsuites", "<?xml"]),
             Self::Picture => Format::of(head).is_some(),
             Self::Weights => content(head) == WEIGHTS,
+            Self::Sensor => content(head) == WEIGHTS && is_sensor(head),
             // The bytes of a black frame are letters, too, but no words.
             Self::Pixels => {
                 content(head) == OTHER || (content(head) == TEXT && !head.iter().any(u8::is_ascii_whitespace))
@@ -120,6 +123,7 @@ impl Display for Kind {
             Self::Junit => "a JUnit report",
             Self::Picture => "a picture",
             Self::Weights => WEIGHTS,
+            Self::Sensor => "a sensor file",
             Self::Pixels => "pixels without a header",
             Self::Raw(noun) => noun,
             Self::Any => "a file",
@@ -150,6 +154,12 @@ fn content(head: &[u8]) -> &'static str {
         None if is_text && !head.contains(&0) => TEXT,
         None => OTHER,
     }
+}
+
+/// Whether the metadata of a safetensors file are those of a sensor file.
+fn is_sensor(head: &[u8]) -> bool {
+    let key = edof_io::sensor::file::METADATA_KEY.as_bytes();
+    head.windows(key.len()).any(|part| part == key)
 }
 
 /// Whether a text begins so, in small letters or large, after a byte-order mark and spaces.
@@ -197,6 +207,7 @@ mod tests {
             (Kind::Junit, "<?xml version=\"1.0\"?>"),
             (Kind::Picture, "P5 1 1 255 x"),
             (Kind::Weights, "\u{8}\0\0\0\0\0\0\0{}      "),
+            (Kind::Sensor, "\u{1e}\0\0\0\0\0\0\0{\"__metadata__\":{\"edof_sensor\":"),
             (Kind::Pixels, "\u{1}\0\u{2}\0"),
         ] {
             std::fs::write(&file, of_its_kind).unwrap();

@@ -10,6 +10,7 @@
 //! | from its colours to those of a screen: white balance, colour matrix | [`rendering`] |
 //! | whether it was read as it was taken | [`read_warnings`] |
 //! | DNG: a camera's raw frame as light, with its colours, and what is to be done with its picture | [`dng`] |
+//! | the sensor as it is: offsets, shading and defects, measured and corrected | [`sensor`] |
 //! | other cameras' raw files, with the feature `camera-raw` | [`camera_raw`] |
 //! | how a camera was held | [`orientation`] |
 //! | picture files, before either meaning is given to them | [`picture`], its pixels [`samples`] |
@@ -51,6 +52,7 @@ pub mod read_warnings;
 pub mod record;
 pub mod rendering;
 pub mod samples;
+pub mod sensor;
 mod tiff;
 pub mod transfer;
 pub mod y4m;

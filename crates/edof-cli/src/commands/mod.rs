@@ -15,6 +15,7 @@ pub mod quantize;
 pub mod random_network;
 pub mod reconstruct;
 pub mod scene;
+pub mod sensor;
 pub mod stream;
 pub mod study;
 pub mod timing;

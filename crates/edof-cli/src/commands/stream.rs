@@ -1,6 +1,7 @@
 //! `edof stream`: from a stream of raw frames to a stream of pictures.
 
 use crate::commands::reconstruct::Gamma;
+use crate::commands::sensor;
 use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
@@ -60,6 +61,10 @@ pub struct Args {
     /// Byte order of words
     #[arg(long, value_parser = ["little", "big"], default_value = "little")]
     order: String,
+
+    /// Correction of the sensor, as edof sensor writes it: offsets, shading and defects; it states darkness and full light
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["black_level", "white_level"])]
+    sensor: Option<PathBuf>,
 
     /// Sensor value of darkness; or four, with commas, for the 2x2 pixels from the first on, row by row
     #[arg(long, value_name = "LEVEL", default_value = "0")]
@@ -192,7 +197,7 @@ impl Args {
                 "--json: standard output has the pictures; name a file, as in --json pace.json",
             ));
         }
-        let mut files = Files::new(ui).reads_all(weights::fixed_file(network));
+        let mut files = Files::new(ui).reads_all(weights::fixed_file(network)).reads_all(&self.sensor);
         if !is_standard(&self.raw) {
             files = files.reads(&self.raw);
         }
@@ -229,6 +234,7 @@ impl Args {
                 phase: self.phase,
                 levels: Levels { black: self.black_level, white: self.white_level },
             },
+            sensor: sensor::opened(self.sensor.as_deref(), ui)?,
             network: fixed,
             balance: self.white_balance.map_or(Balance::None, |Balanced(balance)| balance),
             matrix: self.colour_matrix,
@@ -289,6 +295,10 @@ impl Args {
         let raw = self.raw_in_words();
         Error::message(match error {
             StreamError::Write { .. } => format!("{}: {error}", self.out_in_words()),
+            StreamError::Sensor(_) => match &self.sensor {
+                Some(file) => format!("--sensor {}: {error}", file.display()),
+                None => error.to_string(),
+            },
             StreamError::Levels(_) => format!("--black-level, --white-level: {error}"),
             StreamError::Frame(_) if self.depth.is_some() => format!("--bit-depth, --size: {error}"),
             StreamError::Frame(_) | StreamError::Geometry(_) => format!("--size {}: {error}", self.size),

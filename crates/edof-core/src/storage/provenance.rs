@@ -71,6 +71,8 @@ pub enum InputKind {
     Weights,
     /// A design: its JSON.
     Design,
+    /// A correction of a sensor: the bytes of its file.
+    Sensor,
 }
 
 /// The machine that a result was made on. It does not identify the result. Sums in floating point are taken in the order that

@@ -11,6 +11,9 @@ use edof_io::levels::LevelsError;
 use edof_io::photo::PhotoError;
 use edof_io::raw::{RawError, Size};
 use edof_io::record::{Contradiction, Field, RecordError};
+use edof_io::sensor::file::SensorFileError;
+use edof_io::sensor::list::ListError;
+use edof_io::sensor::measure::MeasureError;
 use edof_network::fixed_network::FixedNetworkError;
 use edof_network::network::NetworkError;
 use edof_optics::capture::CaptureError;
@@ -37,6 +40,18 @@ pub enum JobError {
     /// A camera or a depth before it.
     #[error(transparent)]
     Preset(#[from] PresetError),
+    /// The file of a sensor's correction.
+    #[error(transparent)]
+    SensorFile(#[from] SensorFileError),
+    /// A list of a sensor's defects.
+    #[error(transparent)]
+    DefectList(#[from] ListError),
+    /// Frames that no correction can be made of.
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
+    /// Neither frames nor an option state the size of a sensor's frames.
+    #[error("no frames and no size; name dark or flat frames, or state the size of the sensor's frames")]
+    NoSize,
     /// A synthetic scene.
     #[error(transparent)]
     Draw(#[from] DrawError),

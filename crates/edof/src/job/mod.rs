@@ -5,6 +5,7 @@
 //! | from a scene to a raw frame | [`CaptureJob`] |
 //! | from a raw frame to a picture | [`ReconstructJob`] |
 //! | from a stream of raw frames to one of pictures | [`StreamJob`] |
+//! | from dark and flat frames to a correction of a sensor | [`SensorJob`] |
 //! | photographs, depth maps and listed scenes that jobs read | [`photograph`], [`DepthMap`], [`ListedScene`] |
 //! | whether a job fits the machine | [`memory`] |
 //!
@@ -22,6 +23,7 @@ mod note;
 mod npz;
 pub mod photograph;
 mod reconstruct;
+mod sensor;
 mod stream;
 
 pub use capture::{CaptureJob, CaptureOutputs, Captured, SceneSource, Synthetic, VideoOutput, check_memory};
@@ -33,4 +35,5 @@ pub use listed::ListedScene;
 pub use note::{FrameNote, OtherLens, PictureNote};
 pub use npz::Npz;
 pub use reconstruct::{Engine, FixedOptions, FrameSource, ReconstructJob, Reconstructed, words_file};
+pub use sensor::{DarkFlat, SensorJob};
 pub use stream::{Balance, Layout, Pace, StreamError, StreamJob, Streamed, VideoFormat};

@@ -5,6 +5,7 @@ mod wording;
 
 pub use options::{Args, Gamma};
 
+use crate::commands::sensor;
 use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
@@ -26,7 +27,9 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     }
     let frames = frames(&args)?;
     check_files(&args, &frames, ui)?;
-    let jobs = frames.into_iter().map(|frame| args.job(frame)).collect::<Result<Vec<_>, _>>()?;
+    let sensor = sensor::opened(args.sensor.as_deref(), ui)?;
+    let jobs =
+        frames.into_iter().map(|frame| args.job(frame, sensor.clone())).collect::<Result<Vec<_>, _>>()?;
     if jobs.len() > 1 {
         // An unusable frame is reported before the first is computed.
         for job in &jobs {
@@ -96,7 +99,10 @@ fn check_files(args: &Args, frames: &[Frame], ui: &Ui) -> Result<(), Error> {
     let files = Files::new(ui).reads_all(networks.into_iter().filter_map(file));
     let lens = args.stated_lens()?;
     let files = files.reads_all(lens.into_iter().flat_map(|lens| lens.files));
-    let files = files.reads_all(&args.raw).reads_all(args.raw.iter().map(|raw| record::path_of(raw)));
+    let files = files
+        .reads_all(&args.raw)
+        .reads_all(&args.sensor)
+        .reads_all(args.raw.iter().map(|raw| record::path_of(raw)));
     let mut files = files.may_write("--words", args.words.as_deref().map(words_file));
     for Frame { out, .. } in frames {
         files = files.writes_picture("--out", out)?.may_write("--board", args.codes_file(out));

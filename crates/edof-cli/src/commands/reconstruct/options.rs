@@ -13,7 +13,9 @@ use edof_io::packing::{ByteOrder, Packing};
 use edof_io::raw::{Alignment, RawOptions, Size};
 use edof_io::record::Stated;
 use edof_io::rendering::{ColourMatrix, Rendering, WhiteBalance};
+use edof_io::sensor::Correction;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Reconstruct a sharp picture from a raw Bayer frame, or one from each of several
 ///
@@ -103,6 +105,10 @@ pub struct Args {
     #[arg(long, requires = "size")]
     pub(super) packing: Option<Packing>,
 
+    /// Correction of the sensor, as edof sensor writes it: offsets, shading and defects; it states darkness and full light
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["black_level", "white_level"])]
+    pub(super) sensor: Option<PathBuf>,
+
     /// Sensor value of darkness; or four, with commas, for the 2x2 pixels from the first on, row by row [default: that of RAW.json or a
     /// DNG, else 0]
     #[arg(long, value_name = "LEVEL")]
@@ -191,7 +197,7 @@ impl Args {
     }
 
     /// The job of a frame.
-    pub(super) fn job(&self, frame: Frame) -> Result<ReconstructJob, Error> {
+    pub(super) fn job(&self, frame: Frame, sensor: Option<Arc<Correction>>) -> Result<ReconstructJob, Error> {
         let Self { phase, depth, size, packing, black_level, white_level, tone, .. } = *self;
         let camera = self.stated_lens()?.map(|lens| lens.camera);
         let alignment = self.align.as_deref();
@@ -230,6 +236,7 @@ impl Args {
                 },
                 rendering: Rendering { white_balance: self.white_balance, matrix: self.colour_matrix },
                 overrules_record: self.force,
+                sensor,
             },
             network: self.weights.clone(),
             accepts_any_lens: self.force,

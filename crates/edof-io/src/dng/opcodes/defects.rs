@@ -1,18 +1,19 @@
-//! Defective pixels, by a list or by the value that marks them: each becomes the mean of the nearest good pixels of its colour.
+//! Defective pixels, by a list or by the value that marks them; [`crate::sensor::defects`] repairs them.
 
 use super::Units;
 use super::parameters::Parameters;
+use crate::sensor::defects::DefectMap;
+use edof_core::CfaPhase;
 use ndarray::Array2;
 
-/// Farthest row and column of a good pixel; beyond, the defect stays.
-const REACH: isize = 8;
+/// Phases by their number: the colour of the first pixel is red, green in a row with red, green in a row with blue, or blue.
+const PHASES: [CfaPhase; 4] = [CfaPhase::Rggb, CfaPhase::Grbg, CfaPhase::Gbrg, CfaPhase::Bggr];
 
 /// Which pixels are defective.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Defects {
     marks: Marks,
-    /// Colour of the first pixel: 0 red, 1 green in a row with red, 2 green in a row with blue, 3 blue.
-    phase: u32,
+    phase: CfaPhase,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -27,16 +28,21 @@ enum Marks {
     },
 }
 
+/// The phase of a number.
+fn phase_of(number: u32) -> Option<CfaPhase> {
+    PHASES.get(number as usize).copied()
+}
+
 impl Defects {
     /// FixBadPixelsConstant; none for wrong parameters.
     pub fn constant(parameters: Parameters<'_>) -> Option<Self> {
         let [constant, phase] = parameters.wholes()?;
-        (phase < 4).then_some(Self { marks: Marks::Constant(constant), phase })
+        Some(Self { marks: Marks::Constant(constant), phase: phase_of(phase)? })
     }
 
     /// FixBadPixelsList; none for wrong parameters.
     pub fn list(mut parameters: Parameters<'_>) -> Option<Self> {
-        let phase = parameters.whole()?;
+        let phase = phase_of(parameters.whole()?)?;
         let counts = [parameters.whole()?, parameters.whole()?];
         let mut next = || parameters.whole();
         let mut points = vec![];
@@ -47,8 +53,7 @@ impl Defects {
         for _ in 0..counts[1] {
             rectangles.push([next()?, next()?, next()?, next()?]);
         }
-        let is_possible = phase < 4 && parameters.is_empty();
-        is_possible.then_some(Self { marks: Marks::Listed { points, rectangles }, phase })
+        parameters.is_empty().then_some(Self { marks: Marks::Listed { points, rectangles }, phase })
     }
 
     /// Where a mosaic is defective.
@@ -79,55 +84,11 @@ impl Defects {
         }
     }
 
-    /// Whether a pixel of the image is green.
-    const fn is_green(&self, row: usize, column: usize) -> bool {
-        let first_is_green = self.phase == 1 || self.phase == 2;
-        (row + column).is_multiple_of(2) == first_is_green
-    }
-
     /// Repairs a mosaic in place, from good pixels alone, whatever the order of the list.
     pub fn repair(&self, mosaic: &mut Array2<f32>, units: Units) {
-        let mask = self.mask(mosaic, units);
-        let [green, other] = [true, false].map(neighbours);
-        let repaired: Vec<_> = mask
-            .indexed_iter()
-            .filter(|(_, is_bad)| **is_bad)
-            .filter_map(|((row, column), _)| {
-                let rings = if self.is_green(row, column) { &green } else { &other };
-                Some(((row, column), nearest(mosaic, &mask, (row, column), rings)?))
-            })
-            .collect();
-        repaired.into_iter().for_each(|(at, value)| mosaic[at] = units.kept(value));
+        let map = DefectMap::new(self.mask(mosaic, units), self.phase);
+        map.repair(mosaic.view_mut(), |median| units.kept(median));
     }
-}
-
-/// Offsets of pixels of the same colour, those at one distance together, the nearest first.
-fn neighbours(is_green: bool) -> Vec<Vec<(isize, isize)>> {
-    let same = |dr: isize, dc: isize| if is_green { (dr + dc) % 2 == 0 } else { dr % 2 == 0 && dc % 2 == 0 };
-    let mut rings = std::collections::BTreeMap::<isize, Vec<(isize, isize)>>::new();
-    for dr in -REACH..=REACH {
-        for dc in (-REACH..=REACH).filter(|dc| same(dr, *dc) && (dr, *dc) != (0, 0)) {
-            rings.entry(dr * dr + dc * dc).or_default().push((dr, dc));
-        }
-    }
-    rings.into_values().collect()
-}
-
-/// The mean of the good pixels at the least distance at which there is one.
-fn nearest(
-    mosaic: &Array2<f32>,
-    mask: &Array2<bool>,
-    (row, column): (usize, usize),
-    rings: &[Vec<(isize, isize)>],
-) -> Option<f64> {
-    rings.iter().find_map(|ring| {
-        let good = ring.iter().filter_map(|&(dr, dc)| {
-            let at = (row.checked_add_signed(dr)?, column.checked_add_signed(dc)?);
-            (!*mask.get(at)?).then(|| f64::from(mosaic[at]))
-        });
-        let (count, sum) = good.fold((0, 0.0), |(count, sum), value| (count + 1, sum + value));
-        (count > 0).then(|| sum / f64::from(count))
-    })
 }
 
 #[cfg(test)]
@@ -143,18 +104,7 @@ mod tests {
 
     fn listed(points: &[[u32; 2]], rectangles: &[[u32; 4]]) -> Defects {
         let marks = Marks::Listed { points: points.to_vec(), rectangles: rectangles.to_vec() };
-        Defects { marks, phase: 0 }
-    }
-
-    #[test]
-    fn a_defect_becomes_the_mean_of_its_colour_on_all_sides() {
-        let whole = mosaic();
-        for at in [[4, 4], [4, 5], [5, 4], [5, 5]] {
-            let mut damaged = whole.clone();
-            damaged[[at[0] as usize, at[1] as usize]] = 60_000.0;
-            listed(&[at], &[]).repair(&mut damaged, UNITS);
-            assert_eq!(damaged, whole, "{at:?}");
-        }
+        Defects { marks, phase: CfaPhase::Rggb }
     }
 
     #[test]
@@ -178,17 +128,10 @@ mod tests {
     fn marked_pixels_are_repaired_and_points_outside_are_passed_over() {
         let (whole, mut damaged) = (mosaic(), mosaic());
         damaged[(3, 7)] = 0.0;
-        Defects { marks: Marks::Constant(0), phase: 0 }.repair(&mut damaged, UNITS);
+        Defects { marks: Marks::Constant(0), phase: CfaPhase::Rggb }.repair(&mut damaged, UNITS);
         assert_eq!(damaged, whole);
         listed(&[[99, 0], [0, u32::MAX]], &[[5, 5, 2, 2], [20, 0, u32::MAX, u32::MAX]])
             .repair(&mut damaged, UNITS);
         assert_eq!(damaged, whole);
-    }
-
-    #[test]
-    fn where_nothing_good_is_near_a_defect_stays() {
-        let mut dead = Array2::zeros((30, 30));
-        Defects { marks: Marks::Constant(0), phase: 3 }.repair(&mut dead, UNITS);
-        assert!(dead.iter().all(|v| *v == 0.0));
     }
 }

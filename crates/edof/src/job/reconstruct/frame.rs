@@ -10,8 +10,10 @@ use edof_io::raw::{self, RawFormat, RawOptions};
 use edof_io::read_warnings::{ReadWarning, read_warnings};
 use edof_io::record::{self, Field, RawRecord, Sidecar, Stated};
 use edof_io::rendering::Rendering;
+use edof_io::sensor::Correction;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A raw frame in a file, and what a user states of it.
 #[derive(Debug, Clone)]
@@ -26,6 +28,21 @@ pub struct FrameSource {
     pub rendering: Rendering,
     /// Whether what is stated takes the place of what the record states.
     pub overrules_record: bool,
+    /// Correction of the sensor, in place of all levels.
+    pub sensor: Option<Arc<Correction>>,
+}
+
+/// A frame as its file holds it, and what is known of it.
+struct Found {
+    frame: RawFrame,
+    /// What its words stand for.
+    values: Tone,
+    record: Option<RawRecord>,
+    rendering: Rendering,
+    finish: Finish,
+    /// Levels of its values; none where the file's values are light.
+    levels: Option<Levels>,
+    input: Input,
 }
 
 /// A frame as the network is to see it, and what is known of it.
@@ -57,6 +74,36 @@ impl Taken {
 impl FrameSource {
     /// Returns the frame as light, and its record if there is one.
     pub(super) fn open(&self, note: &dyn Fn(FrameNote)) -> Result<Taken, JobError> {
+        let Found { frame, values, record, rendering, finish, levels, input } = self.find(note)?;
+        let frame = match (&self.sensor, levels) {
+            (Some(sensor), _) => {
+                self.check_values(values)?;
+                sensor.light(&frame).map_err(|e| JobError::in_file(&self.path, e))?
+            }
+            (None, Some(levels)) => levels.light(&frame)?,
+            (None, None) => frame,
+        };
+        let camera = record.as_ref().map(|record| &record.camera).or(self.stated.camera.as_ref()).cloned();
+        Ok(Taken { frame, values, camera, rendering, record, finish, input })
+    }
+
+    /// Returns the sensor's values, and the frame as an input of results.
+    pub(in crate::job) fn sensor_values(
+        &self,
+        note: &dyn Fn(FrameNote),
+    ) -> Result<(RawFrame, Input), JobError> {
+        let Found { frame, values, input, .. } = self.find(note)?;
+        self.check_values(values)?;
+        Ok((frame, input))
+    }
+
+    /// Rejects words that are not the sensor's.
+    fn check_values(&self, values: Tone) -> Result<(), JobError> {
+        if values.is_light() { Ok(()) } else { Err(JobError::in_file(&self.path, Encoded(values))) }
+    }
+
+    /// Returns the frame as its file holds it, with what its record and its file state.
+    fn find(&self, note: &dyn Fn(FrameNote)) -> Result<Found, JobError> {
         let path = &self.path;
         let found = match record::load(path)? {
             Sidecar::Record(record) => Some(*record),
@@ -79,24 +126,19 @@ impl FrameSource {
         if let Some(record) = record.as_ref().filter(|_| !is_overruled) {
             record.check(path, &frame)?;
         }
-        let input = Input::raw_frame(&path.file_name().unwrap_or_default().to_string_lossy(), &frame);
-        let frame = if opened.format.states_everything() {
-            // Levels are those of the file already, or the stated ones.
-            frame
-        } else {
-            Levels { black: overrides.black.unwrap_or_default(), white: overrides.white }.light(&frame)?
-        };
-        Ok(Taken {
+        // Levels are those of the file already, or the stated ones.
+        let levels = Levels { black: overrides.black.unwrap_or_default(), white: overrides.white };
+        Ok(Found {
+            input: Input::raw_frame(&path.file_name().unwrap_or_default().to_string_lossy(), &frame),
             frame,
             values: record.as_ref().map_or(Tone::Linear, |record| record.values),
-            camera: record.as_ref().map(|record| &record.camera).or(self.stated.camera.as_ref()).cloned(),
             rendering: Rendering {
                 white_balance: overrides.white_balance.or(opened.rendering.white_balance),
                 matrix: overrides.matrix.or(opened.rendering.matrix),
             },
             record,
             finish: opened.finish,
-            input,
+            levels: (!opened.format.states_everything()).then_some(levels),
         })
     }
 
@@ -141,6 +183,11 @@ impl FrameSource {
         Ok(any)
     }
 }
+
+/// A frame whose words are not the sensor's.
+#[derive(Debug, thiserror::Error)]
+#[error("its words encode light ({0}), a sensor file needs the sensor's values")]
+struct Encoded(Tone);
 
 /// Remarks on a frame without a record that was perhaps read otherwise than it was taken.
 pub(super) fn remark(path: &Path, frame: &RawFrame, note: &dyn Fn(FrameNote)) {

@@ -6,8 +6,10 @@ use edof_core::{CfaPhase, RawFrame, Tone};
 use edof_io::levels::Levels;
 use edof_io::packing::{ByteOrder, Packing, Stray};
 use edof_io::raw::Size;
+use edof_io::sensor::Correction;
 use ndarray::Array2;
 use std::io::{ErrorKind, Read};
+use std::sync::Arc;
 
 /// How every frame of a stream lies in bytes, and what its values are.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +42,7 @@ impl Layout {
     }
 
     /// Reads the next frame, whose number counts from 1; returns whether there is one.
-    pub(super) fn read(
+    pub(in crate::job) fn read(
         &self,
         number: u64,
         input: &mut dyn Read,
@@ -69,23 +71,29 @@ pub(super) struct Words {
     layout: Layout,
     /// The word for each value of a sensor, for each of the 2×2 pixels of a cell.
     tables: [Vec<u16>; 4],
+    /// The correction of the sensor, and the word of the network for each word of light.
+    sensor: Option<(Arc<Correction>, Vec<u16>)>,
     memory: Vec<u16>,
 }
 
 impl Words {
-    /// The words of a network whose values are those of a tone.
-    pub(super) fn new(layout: Layout, values: Tone) -> Result<Self, StreamError> {
-        let depth = layout.depth();
-        if !(8..=16).contains(&depth) {
-            return Err(FrameError::Depth(depth).into());
-        }
-        // A frame that has every value at each place of a cell.
-        let all = Array2::from_shape_fn((2, 2 << depth), |(_, column)| (column / 2) as u16);
-        let frame = layout.levels.light(&RawFrame::from_values(all, depth, layout.phase)?)?;
-        let words = frame.encoded(values).into_owned().into_pixels();
-        let of_place =
-            |place: usize| words.row(place / 2).iter().skip(place % 2).step_by(2).copied().collect();
-        Ok(Self { layout, tables: [0, 1, 2, 3].map(of_place), memory: vec![] })
+    /// The words of a network whose values are those of a tone. A correction of the sensor takes the place of levels.
+    pub(super) fn new(
+        layout: Layout,
+        sensor: Option<Arc<Correction>>,
+        values: Tone,
+    ) -> Result<Self, StreamError> {
+        let Layout { size, phase, levels, .. } = layout;
+        let tables = match &sensor {
+            Some(sensor) => {
+                sensor.check(size, phase, layout.depth())?;
+                tables(layout.depth(), phase, Levels::default(), Tone::Linear)?
+            }
+            None => tables(layout.depth(), phase, levels, values)?,
+        };
+        let encoded = || tables_of_light(phase, values);
+        let sensor = sensor.map(|sensor| Ok::<_, StreamError>((sensor, encoded()?))).transpose()?;
+        Ok(Self { layout, tables, sensor, memory: vec![] })
     }
 
     /// Makes a frame of its bytes.
@@ -108,10 +116,14 @@ impl Words {
                 (*left, *right) = (*a, *b);
             }
         }
-        let words = Array2::from_shape_vec((height, width), values).map_err(|_| {
+        let mut words = Array2::from_shape_vec((height, width), values).map_err(|_| {
             let (found, expected) = (bytes.len(), self.layout.bytes());
             StreamError::Cut { number, found, expected, size: self.layout.size, packing }
         })?;
+        if let Some((sensor, encoded)) = &self.sensor {
+            sensor.correct(words.view_mut());
+            words.mapv_inplace(|word| encoded[usize::from(word)]);
+        }
         Ok(RawFrame::from_values(words, 16, phase)?)
     }
 
@@ -121,10 +133,30 @@ impl Words {
     }
 }
 
+/// Returns the word for each value of a sensor, for each of the 2×2 pixels of a cell.
+fn tables(depth: u32, phase: CfaPhase, levels: Levels, values: Tone) -> Result<[Vec<u16>; 4], StreamError> {
+    if !(8..=16).contains(&depth) {
+        return Err(FrameError::Depth(depth).into());
+    }
+    // A frame that has every value at each place of a cell.
+    let all = Array2::from_shape_fn((2, 2 << depth), |(_, column)| (column / 2) as u16);
+    let frame = levels.light(&RawFrame::from_values(all, depth, phase)?)?;
+    let words = frame.encoded(values).into_owned().into_pixels();
+    let of_place = |place: usize| words.row(place / 2).iter().skip(place % 2).step_by(2).copied().collect();
+    Ok([0, 1, 2, 3].map(of_place))
+}
+
+/// Returns the word of a network for each word of light.
+fn tables_of_light(phase: CfaPhase, values: Tone) -> Result<Vec<u16>, StreamError> {
+    let [all, ..] = tables(16, phase, Levels::default(), values)?;
+    Ok(all)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use edof_io::levels::Black;
+    use edof_io::sensor::Tables;
 
     fn layout(packing: Packing) -> Layout {
         let size = Size { width: 8, height: 4 };
@@ -140,7 +172,7 @@ mod tests {
         let values = Array2::from_shape_vec((4, 8), values).unwrap();
         let frame = RawFrame::from_values(values, 12, CfaPhase::Gbrg).unwrap();
         for tone in Tone::ALL {
-            let mut words = Words::new(layout, tone).unwrap();
+            let mut words = Words::new(layout, None, tone).unwrap();
             let expected = layout.levels.light(&frame).unwrap().encoded(tone).into_owned();
             let found = words.frame(1, &bytes).unwrap();
             assert_eq!(found.pixels(), expected.pixels(), "{tone:?}");
@@ -149,6 +181,30 @@ mod tests {
             words.keep(found);
             assert_eq!(words.frame(2, &bytes).unwrap().pixels(), expected.pixels());
         }
+    }
+
+    #[test]
+    fn a_sensor_is_corrected_as_in_a_frame_from_a_file() {
+        let layout = layout(Packing::Bits12);
+        let mut tables = Tables::plain(layout.size, CfaPhase::Gbrg, 12, [1000.0; 4], 60_000.0);
+        tables.columns[3] = 250;
+        tables.defects.pixels = vec![[1, 2], [2, 5]];
+        let sensor = Arc::new(Correction::new(tables).unwrap());
+        let bytes: Vec<u8> = (0..48).map(|i| (i * 37 % 251) as u8).collect();
+        let values = Packing::Bits12.values(&bytes, ByteOrder::Little).unwrap();
+        let values = Array2::from_shape_vec((4, 8), values).unwrap();
+        let frame = RawFrame::from_values(values, 12, CfaPhase::Gbrg).unwrap();
+        for tone in Tone::ALL {
+            let expected = sensor.light(&frame).unwrap().encoded(tone).into_owned();
+            let mut words = Words::new(layout, Some(Arc::clone(&sensor)), tone).unwrap();
+            assert_eq!(words.frame(1, &bytes).unwrap().pixels(), expected.pixels(), "{tone:?}");
+        }
+        let other = Layout { depth: Some(10), packing: Packing::Words, ..layout };
+        let told = Words::new(other, Some(sensor), Tone::Linear).err().map(|e| e.to_string());
+        assert!(
+            told.as_ref().is_some_and(|told| told.contains("with 10 bits, expected one of 8x4")),
+            "{told:?}"
+        );
     }
 
     #[test]
@@ -168,7 +224,7 @@ mod tests {
         let layout = Layout { depth: Some(12), ..layout(Packing::Words) };
         let mut bytes = vec![0; 64];
         bytes[2 * 19 + 1] = 0x10;
-        let told = Words::new(layout, Tone::Linear).unwrap().frame(5, &bytes).unwrap_err().to_string();
+        let told = Words::new(layout, None, Tone::Linear).unwrap().frame(5, &bytes).unwrap_err().to_string();
         assert_eq!(told, "frame 5: pixel at row 2, column 3 is 4096, more than 12 bits can hold");
     }
 }

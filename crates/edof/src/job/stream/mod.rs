@@ -28,6 +28,7 @@ use edof_io::levels::LevelsError;
 use edof_io::packing::Packing;
 use edof_io::raw::Size;
 use edof_io::rendering::ColourMatrix;
+use edof_io::sensor::{Correction, OtherSensor};
 use edof_io::y4m::{self, Rate};
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::FixedNetworkError;
@@ -51,6 +52,8 @@ const SAME_GAIN: f64 = 0.002;
 pub struct StreamJob {
     /// How the frames lie in bytes.
     pub layout: Layout,
+    /// Correction of the sensor, in place of levels.
+    pub sensor: Option<Arc<Correction>>,
     /// The network, whose integers are computed.
     pub network: FixedNetwork,
     /// White balance.
@@ -105,6 +108,9 @@ pub enum StreamError {
     /// Levels that frames cannot have.
     #[error(transparent)]
     Levels(#[from] LevelsError),
+    /// A correction of another sensor.
+    #[error(transparent)]
+    Sensor(#[from] OtherSensor),
     /// Frames too small for a window.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
@@ -194,7 +200,7 @@ impl StreamJob {
         let golden = Golden::new(self.network.clone())?;
         let Size { width, height } = self.layout.size;
         golden.geometry().check_frame((height, width))?;
-        let words = Words::new(self.layout, golden.network().origin.values)?;
+        let words = Words::new(self.layout, self.sensor.clone(), golden.network().origin.values)?;
         Ok((golden, words))
     }
 

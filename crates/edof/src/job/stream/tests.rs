@@ -17,6 +17,7 @@ fn job(format: VideoFormat) -> StreamJob {
             phase: CfaPhase::Grbg,
             levels: Levels { black: Black::from(64), white: None },
         },
+        sensor: None,
         network: edof_device::random::natural(12, 8, 3),
         balance: Balance::None,
         matrix: None,

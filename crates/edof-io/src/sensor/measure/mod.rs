@@ -1,0 +1,246 @@
+//! From dark frames, flat frames and a list to a correction.
+//!
+//! | what | module |
+//! |---|---|
+//! | sums of frames | [`Frames`] |
+//! | medians, spreads, and what is usual around a pixel | `statistics` |
+//! | black, offsets, hot and cold pixels | `dark` |
+//! | dead pixels and shading | `flat` |
+
+mod dark;
+mod flat;
+mod mean;
+mod statistics;
+#[cfg(test)]
+mod tests;
+
+pub use dark::DarkReport;
+pub use flat::FlatReport;
+pub use mean::Frames;
+
+use super::correction::{Correction, Defects, SensorError, Tables, gain_word};
+use crate::levels::Black;
+use crate::raw::Size;
+use edof_core::{CfaPhase, Channel};
+use ndarray::{Array2, Axis};
+use serde::Serialize;
+
+/// Share of the pixels of a line from which on all of it is defective.
+const WHOLE_LINE: f64 = 0.5;
+
+/// Limits and levels of a measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Distance of a dark pixel from what is usual around it that makes it defective, in standard deviations of the noise.
+    pub hot: f64,
+    /// Distance of a pixel's response to light from that of those around it that makes it defective.
+    pub dead: f64,
+    /// Sensor values of no light, where dark frames do not state them.
+    pub black: Black,
+    /// Sensor value of full light; by default one more than the largest.
+    pub white: Option<f64>,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { hot: 6.0, dead: 0.15, black: Black::default(), white: None }
+    }
+}
+
+/// Holds what a sensor is measured from; size, phase and depth are those of its frames.
+#[derive(Debug)]
+pub struct Sensor<'a> {
+    /// Columns and rows.
+    pub size: Size,
+    /// Colour filter of the first pixel.
+    pub phase: CfaPhase,
+    /// Bits of a sensor value.
+    pub depth: u32,
+    /// Frames without light.
+    pub dark: Option<&'a Frames>,
+    /// Frames of even light.
+    pub flat: Option<&'a Frames>,
+    /// Defects that are known.
+    pub known: Defects,
+}
+
+/// Frames that no correction can be made of.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
+pub enum MeasureError {
+    /// A frame that differs from those before it.
+    #[error(
+        "a frame of {} of phase {} with {} bits, expected one of {} of phase {} with {} bits, as the frames before it",
+        found.0, found.1, found.2, expected.0, expected.1, expected.2
+    )]
+    OtherFrame { found: (Size, CfaPhase, u32), expected: (Size, CfaPhase, u32) },
+    /// Flat frames that show no shading.
+    #[error(
+        "flat frames: the light of {} is {:.1} % of full scale, expected {:.0} to {:.0} %; change exposure or light",
+        colour(*channel), 100.0 * light, 100.0 * flat::EXPOSURE[0], 100.0 * flat::EXPOSURE[1]
+    )]
+    Exposure { channel: Channel, light: f64 },
+    /// White that is not above black.
+    #[error("white level {white}: must be above black, {black:.1}, and at most {max}")]
+    White { white: f64, black: f64, max: f64 },
+    /// Gains that cannot be had.
+    #[error(
+        "white level {white}: is less than a quarter of full scale, {max}; state the bits of the sensor's values"
+    )]
+    Gain { white: f64, max: f64 },
+    /// Defects outside of the frame.
+    #[error(transparent)]
+    Tables(#[from] SensorError),
+}
+
+const fn colour(channel: Channel) -> &'static str {
+    ["red", "green", "blue"][channel.plane()]
+}
+
+/// Holds what was found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// Size of the frames.
+    pub size: Size,
+    /// Colour filter of the first pixel.
+    pub phase: CfaPhase,
+    /// Bits of a sensor value.
+    pub bit_depth: u32,
+    /// Report of the dark frames.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dark: Option<DarkReport>,
+    /// Report of the flat frames.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flat: Option<FlatReport>,
+    /// Pixels that are repaired one by one.
+    pub defective_pixels: usize,
+    /// Columns that are repaired as a whole.
+    pub defective_columns: Vec<u32>,
+    /// Rows that are repaired as a whole.
+    pub defective_rows: Vec<u32>,
+    /// Row and column of pixels without a good pixel in reach, which stay as they are.
+    pub lost: Vec<(usize, usize)>,
+    /// Nodes of the grid whose gain is cut off at 4.
+    pub clipped_gains: usize,
+}
+
+impl Sensor<'_> {
+    /// Measures the sensor.
+    ///
+    /// # Errors
+    /// [`MeasureError`].
+    pub fn measured(&self, limits: &Limits) -> Result<(Correction, Report), MeasureError> {
+        let own = (self.size, self.phase, self.depth);
+        for frames in self.dark.iter().chain(&self.flat) {
+            frames.check(own)?;
+        }
+        let mut dark = self.dark.map(|frames| dark::measured(frames, limits.hot));
+        let black = dark.as_ref().map_or(limits.black.values(), |dark| dark.black);
+        let full = f64::from(1u32 << self.depth);
+        let white = white(limits.white, black, full)?;
+        let mut known = self.known.clone();
+        if let Some(dark) = &mut dark {
+            known.columns.extend(dark::far_off(&mut dark.columns, full));
+            known.rows.extend(dark::far_off(&mut dark.rows, full));
+        }
+        let word = 65536.0 / full;
+        let mut tables =
+            Tables::plain(self.size, self.phase, self.depth, black.map(|v| v * word), white * word);
+        if let Some(dark) = &dark {
+            self.add_offsets(&mut tables, dark, word);
+        }
+        let flat = self.flat.map(|frames| {
+            let mut light = frames.mean();
+            ndarray::Zip::from(&mut light).and(&tables.offsets()).for_each(|value, offset| {
+                *value -= f32::from(*offset) / word as f32;
+            });
+            flat::measured(&light, frames.count, self.phase, white - black[0], limits.dead)
+        });
+        let flat = flat.transpose()?;
+        let mut clipped_gains = 0;
+        if let Some(flat) = &flat {
+            tables.gains.indexed_iter_mut().for_each(|((at, i, j), gain)| {
+                let wanted = flat.gains[(at, i, j)] * full / (white - black[at]);
+                clipped_gains += usize::from(wanted >= 4.0);
+                *gain = gain_word(wanted);
+            });
+        }
+        tables.defects = defects(
+            known,
+            self.size,
+            &[dark.as_ref().map(|dark| &dark.mask), flat.as_ref().map(|flat| &flat.mask)],
+        );
+        let correction = Correction::new(tables)?;
+        let Defects { pixels, columns, rows } = &correction.tables().defects;
+        let report = Report {
+            size: self.size,
+            phase: self.phase,
+            bit_depth: self.depth,
+            dark: dark.map(|dark| dark.report),
+            flat: flat.map(|flat| flat.report),
+            defective_pixels: pixels.len(),
+            defective_columns: columns.clone(),
+            defective_rows: rows.clone(),
+            lost: correction.defects().lost(),
+            clipped_gains,
+        };
+        Ok((correction, report))
+    }
+
+    /// Adds the offsets of dark frames, in words.
+    fn add_offsets(&self, tables: &mut Tables, dark: &dark::Dark, word: f64) {
+        let offset = |value: f64| (value * word).round().clamp(-32768.0, 32767.0) as i16;
+        tables.columns = dark.columns.iter().map(|v| offset(*v)).collect();
+        tables.rows = dark.rows.iter().map(|v| offset(*v)).collect();
+        tables.pixels = dark.pixels.as_ref().map(|pixels| {
+            let value = |at: (usize, usize)| if dark.mask[at] { 0 } else { offset(f64::from(pixels[at])) };
+            Array2::from_shape_fn(pixels.dim(), value)
+        });
+    }
+}
+
+/// Returns the sensor value of full light.
+fn white(stated: Option<f64>, black: [f64; 4], full: f64) -> Result<f64, MeasureError> {
+    let white = stated.unwrap_or(full);
+    let darkest = black.into_iter().fold(0.0, f64::max);
+    if !(white > darkest && white <= full) {
+        return Err(MeasureError::White { white, black: darkest, max: full });
+    }
+    if full / (white - darkest) >= 4.0 {
+        return Err(MeasureError::Gain { white, max: full });
+    }
+    Ok(white)
+}
+
+/// Returns all defects: lines of which at least half is defective as lines, the others as pixels, each once and in order.
+fn defects(known: Defects, Size { width, height }: Size, masks: &[Option<&Array2<bool>>]) -> Defects {
+    let Defects { pixels, mut columns, mut rows } = known;
+    let mut mask = Array2::from_elem((height, width), false);
+    for at in pixels.iter().map(|[r, c]| (*r as usize, *c as usize)) {
+        // One outside of the frame is rejected with the tables.
+        if let Some(is_bad) = mask.get_mut(at) {
+            *is_bad = true;
+        }
+    }
+    for found in masks.iter().flatten() {
+        mask.zip_mut_with(found, |is_bad, found| *is_bad |= found);
+    }
+    let whole = |axis: Axis| {
+        let lines = (0..).zip(mask.axis_iter(axis));
+        let is_whole = |line: &ndarray::ArrayView1<'_, bool>| {
+            line.iter().filter(|is_bad| **is_bad).count() as f64 >= WHOLE_LINE * line.len() as f64
+        };
+        lines.filter(|(_, line)| is_whole(line)).map(|(index, _)| index).collect::<Vec<u32>>()
+    };
+    columns.extend(whole(Axis(1)));
+    rows.extend(whole(Axis(0)));
+    for lines in [&mut columns, &mut rows] {
+        lines.sort_unstable();
+        lines.dedup();
+    }
+    let outside = pixels.into_iter().filter(|[r, c]| *r as usize >= height || *c as usize >= width);
+    let inside = mask.indexed_iter().filter(|(_, is_bad)| **is_bad).map(|((r, c), _)| [r as u32, c as u32]);
+    let is_single = |[r, c]: &[u32; 2]| rows.binary_search(r).is_err() && columns.binary_search(c).is_err();
+    let pixels = outside.chain(inside.filter(is_single)).collect();
+    Defects { pixels, columns, rows }
+}
