@@ -89,11 +89,10 @@ fn a_named_pipe_is_read_as_long_as_somebody_writes() {
 #[test]
 fn pictures_that_nobody_reads_and_frames_that_are_cut_end_a_stream_in_one_line() {
     let place = ready();
-    let run = bash(
-        &place,
-        &format!("edof stream all.raw {LINE} --bit-depth 12 --out - --progress json | head -c 4000 | wc -c"),
-    )
-    .done();
+    // More pictures than a pipe holds.
+    let frames = "for i in {1..40}; do cat all.raw; done";
+    let stream = format!("edof stream - {LINE} --bit-depth 12 --out - --progress json");
+    let run = bash(&place, &format!("{frames} | {stream} | head -c 4000 | wc -c")).done();
     assert_eq!(run.out.trim(), "4000");
     assert!(run.err.contains("standard output: was closed by its reader"), "{}", run.err);
     let cut = format!("head -c 5000 all.raw | edof stream - {LINE} --bit-depth 12 --quiet --out cut.y4m");

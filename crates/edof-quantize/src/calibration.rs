@@ -355,7 +355,7 @@ mod tests {
         }
         let twice = Calibration::measure(&network, [&raw, &raw]).unwrap();
         assert_eq!(twice, seen.clone().merged(&seen));
-        let none = Calibration::measure_while(&network, [&raw], || ControlFlow::Break(())).unwrap();
+        let none = Calibration::measure_while(&network, [&raw], |_| ControlFlow::Break(())).unwrap();
         assert_eq!(none, Calibration::new(&network.form));
     }
 

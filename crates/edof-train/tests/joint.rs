@@ -79,6 +79,7 @@ fn network(joint: &Joint, camera: &Camera) -> Network {
     assert_eq!(weights.len(), Layout::new(&joint.recipe.form).len());
     let origin = Origin {
         name: "start".into(),
+        further_foci: vec![],
         camera: camera.clone(),
         conditions: vec![],
         values: Tone::Linear,

@@ -283,8 +283,10 @@ mod tests {
             let halves = if exposure == 0 { [matrix, &nothing] } else { [&nothing, matrix] };
             concatenate(Axis(1), &halves.map(|half| half.view())).unwrap()
         };
-        network.analysis = doubled(&network.analysis);
-        network.linear_path = network.linear_path.as_ref().map(doubled);
+        let [analysis, linear_path] =
+            [Some(&network.analysis), network.linear_path.as_ref()].map(|m| m.map(doubled));
+        network.analysis = analysis.unwrap();
+        network.linear_path = linear_path;
         network.form.exposures = 2;
         network.origin.further_foci = vec![6.0];
         network

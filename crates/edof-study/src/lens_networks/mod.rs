@@ -105,11 +105,14 @@ pub struct Cell {
     light: usize,
 }
 
+/// Places of a peer and a depth in the plan.
+type At = (usize, usize);
+
 /// The experiment.
 pub struct Photographing<'a> {
     plan: &'a Plan,
     photos: &'a [Photo],
-    kernels: Option<((usize, usize), Vec<[Psf; 3]>)>,
+    kernels: Option<(At, Vec<[Psf; 3]>)>,
 }
 
 impl<'a> Photographing<'a> {

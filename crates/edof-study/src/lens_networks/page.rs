@@ -171,13 +171,11 @@ impl StudyReport for LensNetworks {
     type Row = Row;
 
     fn new(rows: &[Row], _machine: String) -> Result<Self, StudyReportError> {
-        let mut groups: BTreeMap<(Ordered, bool, &str, bool, Vec<Ordered>), Vec<&Row>> = BTreeMap::new();
+        let mut groups = BTreeMap::<_, Vec<&Row>>::new();
         for row in rows {
             let light = Ordered(-row.electrons);
-            groups
-                .entry((light, !row.clear, &row.lens, row.known, ordered(&row.foci)))
-                .or_default()
-                .push(row);
+            let group = (light, !row.clear, &row.lens, row.known, ordered(&row.foci));
+            groups.entry(group).or_default().push(row);
         }
         let images: BTreeSet<&str> = rows.iter().map(|row| row.image.as_str()).collect();
         Ok(Self {
