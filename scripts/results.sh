@@ -12,9 +12,9 @@
 #   bits stability docs/results/bits.md, stability.md                                   (10 minutes)
 #   aperture      docs/results/aperture.*: the coded lens against smaller apertures     (1 minute)
 #   aperture-networks  docs/results/aperture-networks.*: the same by networks; 24 short trainings, 2 minutes each, which target/trained keeps
-#   depth-known   docs/results/depth-known.*: what knowing the depth is worth; 10 short trainings, which target/trained keeps
+#   depth-known   docs/results/depth-known.*: what knowing the depth is worth; 16 short trainings, which target/trained keeps
 #   two-exposures docs/results/two-exposures.*: what two exposures of half the time are worth; 6 short trainings, which target/trained keeps
-#   masks         docs/results/masks.*: cubic masks against the clear lens at its best stop; 12 short trainings besides, which target/trained keeps
+#   masks         docs/results/masks.*: cubic masks against the clear lens at its best stop; 9 short trainings, which target/trained keeps
 #   colour        docs/results/colour.md: gain of the coded lens against the correlation of colours, of rows that are there  (1 minute)
 #   colour-scenes      the same with synthetic scenes of known saturation               (3 minutes)
 #   colour-training    the same with training photographs, and copies of random saturation in training  (20 minutes)
@@ -272,6 +272,8 @@ lens_networks() {
 depth_known() {
     lens_networks depth-known 0,4,8 10000,1000 \
         "clear-0.5 1" "clear-0.5 1 4" "clear-0.5 1 8" \
+        "clear-0.5 2" "clear-0.5 2 4" "clear-0.5 2 8" \
+        "clear-0.5 3" "clear-0.5 3 4" "clear-0.5 3 8" \
         "cubic-2.3-0 1" "cubic-2.3-0 1 4" "cubic-2.3-0 1 8" \
         "ring-outer 1" "ring-outer 1 0" "ring-outer 1 4" "ring-outer 1 8"
 }

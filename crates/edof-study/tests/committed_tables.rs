@@ -260,6 +260,12 @@ fn the_page_of_smaller_apertures_with_networks_says_what_its_rows_say() {
 }
 
 #[test]
+fn the_page_of_masks_says_what_its_rows_say() {
+    let study: LensNetworks = study_of_page("masks");
+    assert!(study.photographs == 8 && study.lenses.iter().all(|lens| !lens.known));
+}
+
+#[test]
 fn the_page_of_known_depths_says_what_its_rows_say() {
     let study: LensNetworks = study_of_page("depth-known");
     assert!(study.photographs == 8 && study.lenses.iter().any(|lens| lens.known));
