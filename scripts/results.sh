@@ -12,7 +12,7 @@
 #   bits stability docs/results/bits.md, stability.md                                   (10 minutes)
 #   aperture      docs/results/aperture.*: the coded lens against smaller apertures     (1 minute)
 #   aperture-networks  docs/results/aperture-networks.*: the same by networks; 24 short trainings, 2 minutes each, which target/trained keeps
-#   depth-known   docs/results/depth-known.*: what knowing the depth is worth; 16 short trainings, which target/trained keeps
+#   depth-known   docs/results/depth-known.*: what knowing the depth is worth; 13 short trainings besides, which target/trained keeps
 #   two-exposures docs/results/two-exposures.*: what two exposures of half the time are worth; 6 short trainings, which target/trained keeps
 #   masks         docs/results/masks.*: cubic masks against the clear lens at its best stop; 9 short trainings, which target/trained keeps
 #   colour        docs/results/colour.md: gain of the coded lens against the correlation of colours, of rows that are there  (1 minute)
@@ -198,7 +198,7 @@ short_network() {
     [ ! -e "$file" ] || return 0
     say "$file"
     # shellcheck disable=SC2046
-    "$edof" train --form "${form:-edof-t4w12}" --steps "${steps:-8000}" --seed "${seed:-1}" --leave-out "$held_back""$others" "$@" --name "$(basename "$file" .safetensors)" \
+    "$edof" train --form "${form:-edof-t4w12}" --steps 8000 --seed "${seed:-1}" --leave-out "$held_back""$others" "$@" --name "$(basename "$file" .safetensors)" \
         --out "$part" $(resume "$part") --force
     mv "$part" "$file"
 }
@@ -242,7 +242,7 @@ validation=2,5,8,11,14,17,20,23
 # A page of lenses with networks of their own: lens_networks PAGE PSI,... ELECTRONS LINE..., each line LENS SEED [PSI | FOCUS,FOCUS] one short training, for all
 # depths from ψ 0 to 8, for one, or for all with an exposure at each focus. A lens is one of scripts/lens.py. Pages share their networks.
 lens_networks() {
-    local page=$1 psis=$2 electrons=$3 folder=$trained/lenses${steps:+-$steps} line lens seed psi foci stops name form gain depths own
+    local page=$1 psis=$2 electrons=$3 folder=$trained/lenses line lens seed psi foci stops name form gain depths own
     own=$folder/$page
     shift 3
     rm -rf "$own"
@@ -278,10 +278,9 @@ depth_known() {
         "ring-outer 1" "ring-outer 1 0" "ring-outer 1 4" "ring-outer 1 8"
 }
 
-# Two exposures of half the time behind the open lens, with foci at a quarter and three quarters of the range, against the best stop of one exposure. All of
-# these trainings are a quarter as long as those of other lenses.
+# Two exposures of half the time behind the open lens, with foci at a quarter and three quarters of the range, against the clear lens closed by half a stop.
 two_exposures() {
-    local seed lines=() steps=2000
+    local seed lines=()
     for seed in 1 2 3; do lines+=("clear-0.5 $seed" "clear-0 $seed 2,6"); done
     lens_networks two-exposures 0,2,4,6,8 10000,2500,1000 "${lines[@]}"
 }
