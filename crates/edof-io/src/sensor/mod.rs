@@ -4,7 +4,7 @@
 //! |---|---|
 //! | offsets, gains and defects of a sensor, and their use in integers | [`Correction`] |
 //! | the one repair of defective pixels | [`defects`] |
-//! | the file of a correction | [`file`] |
+//! | the file of a correction | [`file`](mod@file) |
 //! | a list of defects that a person wrote | [`list`] |
 //! | from dark and flat frames to a correction | [`measure`] |
 
