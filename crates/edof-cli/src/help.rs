@@ -16,7 +16,7 @@ const EVERYWHERE: [Group; 5] = [
 ];
 
 /// Options of the commands that have many, by command; the first group that names an option has it.
-const COMMANDS: [(&str, &[Group]); 15] = [
+const COMMANDS: [(&str, &[Group]); 16] = [
     (
         "capture",
         &[
@@ -93,10 +93,18 @@ const COMMANDS: [(&str, &[Group]); 15] = [
         ],
     ),
     (
+        "explore",
+        &[
+            ("Networks and board", "weights design device fps"),
+            ("Pictures", "photo psi noise"),
+            ("Files to write", "out"),
+        ],
+    ),
+    (
         "design new",
         &[
             ("Network", "form weights"),
-            ("Board and frame", "board clock-mhz size stride multipliers"),
+            ("Board and frame", "board clock-mhz size stride multipliers fps"),
             ("Files to write", "name out"),
         ],
     ),

@@ -71,7 +71,7 @@ pub struct Args {
     pub(super) psi: Option<DepthRange>,
 
     /// Focus in ψ of each exposure of the form, in place of the camera's: --form edof-t4w12,e2 --focus 2,6 makes a network of two raw frames.
-    /// State the --gain of one frame: with half of the time each, twice that of a single one
+    /// State the --gain of one frame: with half of the time each, twice that of a single one [default: one exposure, the camera's focus]
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
     pub(super) focus: Vec<f64>,
 
