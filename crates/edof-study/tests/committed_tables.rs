@@ -272,6 +272,13 @@ fn the_page_of_known_depths_says_what_its_rows_say() {
 }
 
 #[test]
+fn the_page_of_two_exposures_says_what_its_rows_say() {
+    let study: LensNetworks = study_of_page("two-exposures");
+    let two = study.lenses.iter().filter(|lens| lens.foci == [2.0, 6.0]);
+    assert!(study.photographs == 8 && two.clone().count() > 1 && two.clone().all(|lens| lens.seeds == 3));
+}
+
+#[test]
 fn the_comparison_says_what_its_rows_say() {
     study_of_page::<Knobs>("knobs");
     study_of_page::<Speed>("overlap");
