@@ -51,12 +51,21 @@ impl PartialEq for PsfBank {
 }
 
 /// Kernels of red, green and blue at several depths.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Kernels {
     psis: Vec<f64>,
     kernels: Vec<[Array2<f32>; 3]>,
+    /// Of the array that they are from; no part of what they are.
     edges: Vec<[f64; 3]>,
     pixel_pitch_um: Option<f64>,
+}
+
+impl PartialEq for Kernels {
+    fn eq(&self, other: &Self) -> bool {
+        self.psis == other.psis
+            && self.kernels == other.kernels
+            && self.pixel_pitch_um == other.pixel_pitch_um
+    }
 }
 
 /// Arrays that make no bank.
