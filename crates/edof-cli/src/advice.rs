@@ -1,5 +1,6 @@
 //! A line for whoever uses a lens although a clear one is expected to do better.
 
+use crate::commands::optics::advise::stops;
 use crate::ui::Ui;
 use edof_core::Noise;
 use edof_core::camera::Camera;
@@ -8,10 +9,13 @@ use edof_optics::Statistics;
 use edof_optics::bound::Light;
 use edof_optics::bound::advise::{Choice, better_clear};
 
-/// Notes that a clear lens is ahead of a camera in the light of a sensor's noise, where it is. No other noise states a light, and a PSF bank
-/// has no other stop.
+/// Notes that a clear lens is ahead of a camera in the light of a sensor's noise, where it is. No other noise states a light, a PSF bank has no
+/// other stop, and a single depth needs no depth of field.
 pub fn note(camera: &Camera, noise: Noise, ui: &Ui) {
     let Noise::Sensor(sensor) = noise else { return };
+    if camera.psi_range[1] - camera.psi_range[0] < 0.01 {
+        return;
+    }
     let electrons = sensor.full_well_e / sensor.gain;
     let light = Light { electrons, read_noise_e: sensor.read_noise_e, mean: Light::MEAN };
     let Ok(Some((better, by))) = better_clear(camera, light, &Statistics::natural()) else { return };
@@ -28,8 +32,5 @@ pub fn note(camera: &Camera, noise: Noise, ui: &Ui) {
 }
 
 fn opening(lens: &Choice) -> String {
-    match lens.stops {
-        0.0 => "open".to_owned(),
-        stops => format!("closed by {} stops", number(stops)),
-    }
+    if lens.stops == 0.0 { "open".to_owned() } else { format!("closed by {}", stops(lens.stops)) }
 }

@@ -9,6 +9,7 @@
 
 pub mod chart;
 pub mod leaves;
+pub mod quarter;
 
 use crate::scene::Scene;
 use edof_core::ColourFrame;

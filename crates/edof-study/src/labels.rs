@@ -4,6 +4,7 @@ use crate::codes::{Card, Symbology};
 use crate::report::letters::Writing;
 use edof_core::ColourFrame;
 use edof_core::draw::Draw;
+use edof_optics::draw::quarter::Quarter;
 use edof_optics::draw::{DrawError, MIN_SIDE};
 use edof_optics::{Layer, Scene};
 use ndarray::{Array2, Axis};
@@ -70,13 +71,10 @@ pub fn draw(height: usize, width: usize, psis: [f64; 4], seed: u64) -> Result<La
     Ok(Labels { scene: Scene { name: "labels-4".into(), layers }, codes })
 }
 
-/// A turned rectangle in one quarter of the frame, with its label.
+/// A parcel with its label.
 struct Parcel {
     index: usize,
-    centre: (f64, f64),
-    half: (f64, f64),
-    cosine: f64,
-    sine: f64,
+    place: Quarter,
     codes: Vec<Print<Code>>,
     lines: Vec<Print<Line>>,
 }
@@ -136,18 +134,15 @@ impl Code {
 
 impl Parcel {
     fn new(index: usize, height: usize, width: usize, draw: &mut Draw) -> Result<Self, rxing::Exceptions> {
-        let (height, width) = (height as f64, width as f64);
-        let centre = (height * [0.25, 0.75][index / 2], width * [0.25, 0.75][index % 2]);
-        let (sine, cosine) = TURNS[index].to_radians().sin_cos();
-        let half = (0.222 * height, 0.232 * width);
-        let mut parcel = Self { index, centre, half, cosine, sine, codes: vec![], lines: vec![] };
+        let place = Quarter::new(index, (height, width), (0.222, 0.232), TURNS[index]);
+        let mut parcel = Self { index, place, codes: vec![], lines: vec![] };
         parcel.print(draw)?;
         Ok(parcel)
     }
 
     /// Lays out the label: QR codes from coarse to fine, bars, and lines of text; what has no room is left out.
     fn print(&mut self, draw: &mut Draw) -> Result<(), rxing::Exceptions> {
-        let (bottom, right) = (self.half.0 - 2.0 * MARGIN, self.half.1 - 2.0 * MARGIN);
+        let (bottom, right) = (self.place.half.0 - 2.0 * MARGIN, self.place.half.1 - 2.0 * MARGIN);
         let (mut top, start) = (-bottom, -right);
         let (mut left, mut next) = (start, top);
         let codes = QR_PX
@@ -184,25 +179,10 @@ impl Parcel {
         Ok(())
     }
 
-    /// Coordinates from the parcel's centre of a point of the frame.
-    fn local(&self, y: f64, x: f64) -> (f64, f64) {
-        let (dy, dx) = (y - self.centre.0, x - self.centre.1);
-        (self.cosine * dy - self.sine * dx, self.sine * dy + self.cosine * dx)
-    }
-
-    fn is_far_from(&self, row: usize, column: usize) -> bool {
-        let reach = self.half.0.hypot(self.half.1) + 2.0;
-        (row as f64 - self.centre.0).hypot(column as f64 - self.centre.1) > reach
-    }
-
-    /// The other way round.
-    fn global(&self, y: f64, x: f64) -> (f64, f64) {
-        (self.centre.0 + self.cosine * y + self.sine * x, self.centre.1 - self.sine * y + self.cosine * x)
-    }
-
     /// Light of the parcel at a point; none beside it.
     fn light(&self, (y, x): (f64, f64)) -> Option<[f32; 3]> {
-        let is_within = |margin: f64| y.abs() <= self.half.0 - margin && x.abs() <= self.half.1 - margin;
+        let is_within =
+            |margin: f64| y.abs() <= self.place.half.0 - margin && x.abs() <= self.place.half.1 - margin;
         let is_dark = |code: &Print<Code>| code.what.is_ink(y - code.top, x - code.left);
         let is_written = |line: &&Print<Line>| {
             let (Line { text, height, .. }, down) = (&line.what, y - line.top);
@@ -231,12 +211,12 @@ impl Parcel {
         let at = |pixel: usize, i: usize| pixel as f64 + (i as f64 + 0.5) / FINE as f64;
         let pixel = |row: usize, column: usize| {
             let (mut sum, mut covered) = ([0.0; 3], 0);
-            if !is_first && self.is_far_from(row, column) {
+            if !is_first && self.place.is_far_from(row, column) {
                 return (sum, covered);
             }
             for i in 0..FINE * FINE {
                 let (y, x) = (at(row, i / FINE), at(column, i % FINE));
-                let Some(colour) = self.light(self.local(y, x)).or_else(|| behind(y)) else { continue };
+                let Some(colour) = self.light(self.place.local(y, x)).or_else(|| behind(y)) else { continue };
                 (0..3).for_each(|plane| sum[plane] += colour[plane]);
                 covered += 1;
             }
@@ -262,7 +242,7 @@ impl Parcel {
         self.codes.iter().map(move |Print { top, left, what }| {
             let (down, along) = what.size();
             let corners = [(0.0, 0.0), (0.0, along), (down, 0.0), (down, along)];
-            let corners = corners.map(|(y, x)| self.global(top + y, left + x));
+            let corners = corners.map(|(y, x)| self.place.global(top + y, left + x));
             let range = |of: fn((f64, f64)) -> f64, most: usize| {
                 let (low, high) = corners.iter().fold((f64::MAX, f64::MIN), |(low, high), corner| {
                     (low.min(of(*corner)), high.max(of(*corner)))

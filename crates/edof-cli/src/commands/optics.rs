@@ -1,6 +1,6 @@
 //! `edof optics`, and `edof optics design`.
 
-mod advise;
+pub mod advise;
 mod bound;
 mod scene;
 mod through;

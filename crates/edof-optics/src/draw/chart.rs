@@ -1,6 +1,7 @@
 //! The resolution chart: four cards with a Siemens star, slanted edges, bars and text, each in ink of another colour.
 
 use super::coverage;
+use super::quarter::Quarter;
 use crate::scene::Layer;
 use edof_core::ColourFrame;
 use edof_core::font;
@@ -36,13 +37,13 @@ fn layer(index: usize, height: usize, width: usize) -> Layer {
         for column in 0..width {
             let covered = match index {
                 0 => 1.0,
-                _ if card.is_far_from(row, column) => continue,
-                _ => coverage(row, column, |y, x| card.covers(card.local(y, x))),
+                _ if card.place.is_far_from(row, column) => continue,
+                _ => coverage(row, column, |y, x| card.covers(card.place.local(y, x))),
             };
-            let printed = if card.is_far_from(row, column) {
+            let printed = if card.place.is_far_from(row, column) {
                 0.0
             } else {
-                coverage(row, column, |y, x| card.has_ink(card.local(y, x)))
+                coverage(row, column, |y, x| card.has_ink(card.place.local(y, x)))
             };
             matte[(row, column)] = covered;
             for plane in 0..3 {
@@ -54,37 +55,20 @@ fn layer(index: usize, height: usize, width: usize) -> Layer {
     Layer { light, matte: (index > 0).then_some(matte), psi: 0.0 }
 }
 
-/// A turned rectangle in one quarter of the frame.
+/// A card of the chart.
 struct Card {
-    centre: (f64, f64),
-    half: (f64, f64),
-    cosine: f64,
-    sine: f64,
+    place: Quarter,
     text: String,
 }
 
 impl Card {
     fn new(index: usize, height: usize, width: usize) -> Self {
-        let (height, width) = (height as f64, width as f64);
-        let centre = (height * [0.25, 0.75][index / 2], width * [0.25, 0.75][index % 2]);
-        let (sine, cosine) = TURNS[index].to_radians().sin_cos();
-        let text = format!("EDOF CARD {index} 0123456789");
-        Self { centre, half: (0.21 * height, 0.22 * width), cosine, sine, text }
-    }
-
-    /// Coordinates on the card, from its centre, of a point of the frame.
-    fn local(&self, y: f64, x: f64) -> (f64, f64) {
-        let (dy, dx) = (y - self.centre.0, x - self.centre.1);
-        (self.cosine * dy - self.sine * dx, self.sine * dy + self.cosine * dx)
-    }
-
-    fn is_far_from(&self, row: usize, column: usize) -> bool {
-        let reach = self.half.0.hypot(self.half.1) + 2.0;
-        (row as f64 - self.centre.0).hypot(column as f64 - self.centre.1) > reach
+        let place = Quarter::new(index, (height, width), (0.21, 0.22), TURNS[index]);
+        Self { place, text: format!("EDOF CARD {index} 0123456789") }
     }
 
     fn covers(&self, (y, x): (f64, f64)) -> bool {
-        y.abs() <= self.half.0 && x.abs() <= self.half.1
+        y.abs() <= self.place.half.0 && x.abs() <= self.place.half.1
     }
 
     fn has_ink(&self, at: (f64, f64)) -> bool {
@@ -93,23 +77,24 @@ impl Card {
 
     /// Siemens star on the left.
     fn star(&self, (y, x): (f64, f64)) -> bool {
-        let radius = 0.74 * self.half.0;
-        let (dy, dx) = (y + 0.16 * self.half.0, x + self.half.1 - 0.12 * self.half.0 - radius);
+        let radius = 0.74 * self.place.half.0;
+        let (dy, dx) =
+            (y + 0.16 * self.place.half.0, x + self.place.half.1 - 0.12 * self.place.half.0 - radius);
         dy.hypot(dx) < radius && (SPOKES * dy.atan2(dx)).sin() > 0.0
     }
 
     /// A square on the upper right, turned a little, for edges of both directions.
     fn edges(&self, (y, x): (f64, f64)) -> bool {
-        let half = 0.30 * self.half.0;
-        let (dy, dx) = (y + 0.52 * self.half.0, x - self.half.1 + 1.6 * half);
+        let half = 0.30 * self.place.half.0;
+        let (dy, dx) = (y + 0.52 * self.place.half.0, x - self.place.half.1 + 1.6 * half);
         let (sine, cosine) = EDGE_DEGREES.to_radians().sin_cos();
         (cosine * dy - sine * dx).abs() < half && (sine * dy + cosine * dx).abs() < half
     }
 
     /// Groups of bars right of the middle, upright above and level below, finer to the right.
     fn bars(&self, (y, x): (f64, f64)) -> bool {
-        let (top, side) = (-0.10 * self.half.0, 0.30 * self.half.0);
-        let mut left = self.half.1 - 0.10 * self.half.0;
+        let (top, side) = (-0.10 * self.place.half.0, 0.30 * self.place.half.0);
+        let mut left = self.place.half.1 - 0.10 * self.place.half.0;
         for width in BARS {
             let group = 6.0 * width;
             left -= group + 4.0;
@@ -125,11 +110,12 @@ impl Card {
 
     /// A line of text along the lower edge, as large as fits, and under it the same in dots of a pixel.
     fn print(&self, (y, x): (f64, f64)) -> bool {
-        let from_left = x + 0.92 * self.half.1;
+        let from_left = x + 0.92 * self.place.half.1;
         let letters = self.text.len() as f64;
-        let dot = (1.84 * self.half.1 / (letters * font::ADVANCE)).min(0.18 * self.half.0 / font::HEIGHT);
-        let large = font::is_ink(&self.text, from_left / dot, (y - 0.66 * self.half.0) / dot);
-        large || font::is_ink(&self.text, from_left, y - 0.89 * self.half.0)
+        let dot = (1.84 * self.place.half.1 / (letters * font::ADVANCE))
+            .min(0.18 * self.place.half.0 / font::HEIGHT);
+        let large = font::is_ink(&self.text, from_left / dot, (y - 0.66 * self.place.half.0) / dot);
+        large || font::is_ink(&self.text, from_left, y - 0.89 * self.place.half.0)
     }
 }
 

@@ -203,7 +203,8 @@ fn name(kind: Kind, open: &Camera) -> String {
     }
 }
 
-fn stops(stops: f64) -> String {
+/// Stops in words.
+pub fn stops(stops: f64) -> String {
     match stops {
         0.5 => "half a stop".to_owned(),
         1.0 => "one stop".to_owned(),

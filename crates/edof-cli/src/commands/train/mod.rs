@@ -67,7 +67,8 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     said::memory(&format!("--batch {}", recipe.batch), recipe.batch as f64 * bytes_a_window(&recipe.form))?;
     let psis = spread(camera.psi_range, args.depths)?;
     let [least, most] = recipe.conditions.gain;
-    if recipe.tone == Tone::Srgb {
+    // A second exposure is no question of the lens.
+    if recipe.tone == Tone::Srgb && args.focus.is_empty() {
         advice::note(&camera, Noise::sensor((least * most).sqrt().into()), ui);
     }
     let mut photographs = photographs::photographs(&args.images, args.photos.as_ref(), ui)?;
