@@ -279,11 +279,12 @@ pub(crate) mod tests {
 
     #[test]
     fn codes_are_counted_that_can_be_read_in_the_scene() {
-        let labels = crate::labels::draw(320, 480, [0.0, 2.0, 5.0, 8.0], 1).unwrap();
+        let labels = crate::labels::draw(480, 720, [0.0, 2.0, 5.0, 8.0], 1).unwrap();
         let scene = labels.scene.sharp();
-        let grey = ColourFrame::zeros(320, 480);
+        let grey = ColourFrame::zeros(480, 720);
         let codes = CodesRead::of(&labels.codes, &scene, &[scene.clone(), grey]).unwrap().unwrap();
-        assert!(codes.of > 4, "{codes:?}");
+        // Some are too fine even there.
+        assert!((18..labels.codes.len()).contains(&codes.of), "{codes:?}");
         assert_eq!(codes.read, [codes.of, 0]);
         assert_eq!(CodesRead::of(&[], &scene, &[]).unwrap(), None);
     }
