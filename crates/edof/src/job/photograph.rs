@@ -51,8 +51,14 @@ pub fn load(
     tones: Tones,
     note: &dyn Fn(PictureNote),
 ) -> Result<(ColourFrame, Tone), PhotoError> {
-    let Photograph { frame, transfer } = photo::open(path)?;
+    let Photograph { frame, transfer, gamut, is_followed } = photo::open(path)?;
     let tone = tones.of(path, transfer.as_ref(), note);
+    if let Some(stated) = gamut {
+        note(PictureNote::GamutNotApplied { path: path.to_owned(), stated });
+    }
+    if is_followed {
+        note(PictureNote::FirstOfSeveral { path: path.to_owned() });
+    }
     let [from, to] = [frame.size(), whole_cells(frame.size())].map(|(height, width)| Size { width, height });
     if from == to {
         return Ok((frame, tone));
