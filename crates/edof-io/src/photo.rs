@@ -78,10 +78,17 @@ impl Photograph {
 /// # Errors
 /// [`PhotoError::Picture`] naming the file.
 pub fn open(path: &Path) -> Result<Photograph, PhotoError> {
-    let bytes = picture::read(path)?;
-    let planes = light(&bytes, path)?;
+    of_bytes(&picture::read(path)?, path)
+}
+
+/// Reads a photograph from the bytes of its file, as [`open`]; `path` names it in errors.
+///
+/// # Errors
+/// As [`open`].
+pub fn of_bytes(bytes: &[u8], path: &Path) -> Result<Photograph, PhotoError> {
+    let planes = light(bytes, path)?;
     let (_, height, width) = planes.dim();
-    let transfer = Transfer::of(&bytes);
+    let transfer = Transfer::of(bytes);
     if planes.dim().0 == 3 {
         return Ok(Photograph { frame: ColourFrame { planes }, transfer });
     }

@@ -140,7 +140,7 @@ fn focus_m(choice: &Choice, open: &Camera) -> Option<f64> {
 }
 
 /// The advice in words.
-fn lines(advice: &Advice, open: &Camera, light: Light) -> Vec<String> {
+pub fn lines(advice: &Advice, open: &Camera, light: Light) -> Vec<String> {
     let Advice { advised, others, .. } = advice;
     let [low, high] = open.psi_range;
     let mut lines = vec![format!(
