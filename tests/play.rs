@@ -165,7 +165,7 @@ fn a_state_that_cannot_be_is_refused_in_one_line() {
     let page = Page::open(&place, "");
     let good = state(&page);
     let rows = [
-        ("/scene", json!("sea"), "scene 'sea': expected leaves, chart or labels"),
+        ("/scene", json!("sea"), "scene 'sea': expected chart, labels or leaves"),
         ("/psi", json!(900.0), "psi 900: must lie within 200 of the focus of camera ring-outer, at 4.44"),
         ("/stops", json!(6.0), "stops 6: must be from 0 to 5"),
         ("/electrons", json!(0.0), "electrons 0: must be from 1 to 1000000000"),

@@ -86,7 +86,7 @@ def sliders(browser):
 def by_commands(browser, place):
     """The figures of the page are those of the commands that it names."""
     lines = browser.value("document.getElementById('commands').textContent").splitlines()
-    camera = browser.value("fetch(document.getElementById('camera-file').href).then((answer) => answer.text())")
+    camera = browser.value("decodeURIComponent(document.getElementById('camera-file').href.split(',').slice(1).join(','))")
     (place / "page.json").write_text(camera)
     said = {}
     for line in lines:
@@ -113,7 +113,7 @@ def by_keyboard(browser):
     wanted = browser.value("[...document.querySelectorAll('input, select, button, canvas[tabindex], summary')].map((one) => one.id || one.tagName)")
     browser.value("document.activeElement.blur()")
     reached = []
-    for _ in range(len(wanted) + 4):
+    for _ in range(len(wanted) + 12):
         browser.key("Tab")
         reached.append(browser.value("document.activeElement.id || document.activeElement.tagName"))
     missing = [name for name in wanted if name not in reached]
@@ -139,6 +139,7 @@ def by_keyboard(browser):
 
 def by_pointer(browser):
     """A drag moves the split."""
+    browser.value("document.getElementById('view').scrollIntoView()")
     box = browser.value("(({ left, top, width, height }) => [left, top, width, height])(document.getElementById('view').getBoundingClientRect())")
     left, top, width, height = box
     at = lambda share: (left + share * width, top + 0.5 * height)

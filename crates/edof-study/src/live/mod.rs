@@ -4,12 +4,15 @@
 //! ```
 //! use edof_core::camera::Camera;
 //! use edof_optics::{Sensor, draw::{Builtin, draw}};
-//! use edof_study::live::{Live, Subject, View};
+//! use edof_deblur::Malvar;
+//! use edof_study::live::{Live, Shot, Subject, View};
+//! use std::sync::Arc;
 //! let mut live = Live::default();
-//! let subject = Subject::new(draw(Builtin::Chart, 64, 96, &[0.0], 0)?.sharp());
+//! let subject = Arc::new(Subject::new(draw(Builtin::Chart, 64, 96, &[0.0], 0)?.sharp()));
 //! let view = View { camera: Camera::resolve("ring-outer")?, psi: 3.0 };
-//! let raw = live.raw(&subject, &view, &Sensor::default())?;
-//! assert_eq!(raw.size(), (64, 96));
+//! let shot = Shot { subject, view, sensor: Sensor::default() };
+//! let pictures = live.developed(&[(&shot, "demosaiced", &Malvar::default())])?;
+//! assert!(pictures[0].psnr_db > 15.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -19,22 +22,24 @@ pub use recent::Recent;
 
 use crate::metrics::{BORDER, MetricError, psnr, shown};
 use edof_core::camera::Camera;
-use edof_core::{ColourFrame, RawFrame, Tone};
+use edof_core::{ColourFrame, RawFrame, ReconstructError, Reconstructor, Tone};
 use edof_optics::capture::{Approximation, CaptureError};
 use edof_optics::psf::{NoPsf, Psf, channel_psfs};
-use edof_optics::{Scene, Sensor, expose};
-use ndarray::{Array3, s};
+use edof_optics::{Blur, Sensor, Spectrum, expose};
+use ndarray::{Array3, Axis, s};
+use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// PSFs that are kept, and blurred pictures.
-const PLACES: [usize; 2] = [64, 24];
+/// PSFs that are kept, blurred pictures, and reconstructed ones.
+const PLACES: [usize; 3] = [64, 24, 48];
 
 /// A sharp picture: its light, and what it is compared with.
-#[derive(Debug)]
 pub struct Subject {
     light: ColourFrame,
     shown: ColourFrame,
+    plan: Blur,
+    spectra: [Spectrum; 3],
     number: u64,
 }
 
@@ -43,7 +48,11 @@ impl Subject {
     #[must_use]
     pub fn new(light: ColourFrame) -> Self {
         static NUMBER: AtomicU64 = AtomicU64::new(0);
-        Self { shown: shown(&light, Tone::Srgb), light, number: NUMBER.fetch_add(1, Ordering::Relaxed) }
+        let (height, width) = light.size();
+        let plan = Blur::new(height, width);
+        let spectra = [0, 1, 2].map(|plane| plan.spectrum(light.planes.index_axis(Axis(0), plane)));
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        Self { shown: shown(&light, Tone::Srgb), light, plan, spectra, number }
     }
 
     /// The light.
@@ -59,6 +68,15 @@ impl Subject {
     pub fn psnr_db(&self, light: &ColourFrame) -> Result<f64, MetricError> {
         psnr(&self.shown, &shown(light, Tone::Srgb), BORDER)
     }
+
+    /// What falls on the sensor behind PSFs of red, green and blue.
+    fn blurred(&self, psfs: &[Psf; 3]) -> ColourFrame {
+        let plane = |plane: usize| self.plan.apply(&self.spectra[plane], &self.plan.transfer(&psfs[plane]));
+        let planes: Vec<_> = (0..3usize).into_par_iter().map(plane).collect();
+        let mut frame = ColourFrame::zeros(self.light.size().0, self.light.size().1);
+        frame.planes.outer_iter_mut().zip(&planes).for_each(|(mut to, from)| to.assign(from));
+        frame
+    }
 }
 
 /// A lens and the depth of what is before it.
@@ -70,21 +88,71 @@ pub struct View {
     pub psi: f64,
 }
 
-/// What was computed last.
-#[derive(Debug)]
-pub struct Live {
-    psfs: Recent<View, [Psf; 3]>,
-    lights: Recent<(u64, View), ColourFrame>,
+/// A picture that a lens and a sensor take.
+#[derive(Clone)]
+pub struct Shot {
+    /// Before the lens.
+    pub subject: Arc<Subject>,
+    /// The lens.
+    pub view: View,
+    /// The sensor.
+    pub sensor: Sensor,
 }
 
-impl Default for Live {
-    fn default() -> Self {
-        let [psfs, lights] = PLACES;
-        Self { psfs: Recent::new(psfs), lights: Recent::new(lights) }
+impl PartialEq for Shot {
+    fn eq(&self, other: &Self) -> bool {
+        let key = |shot: &'_ Self| shot.subject.number;
+        key(self) == key(other) && self.view == other.view && self.sensor == other.sensor
     }
 }
 
-impl Live {
+/// What a method made of a frame.
+#[derive(Debug)]
+pub struct Developed {
+    /// The picture's light.
+    pub frame: ColourFrame,
+    /// How near it comes to the sharp picture.
+    pub psnr_db: f64,
+}
+
+/// A shot, what is done with its frame, and the name under which that is known.
+pub type Task<'a, K> = (&'a Shot, K, &'a dyn Reconstructor);
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+pub enum LiveError {
+    /// The lens or the sensor.
+    #[error(transparent)]
+    Capture(#[from] CaptureError),
+    /// A method rejected the frame.
+    #[error(transparent)]
+    Reconstruct(#[from] ReconstructError),
+    /// A picture too small to measure.
+    #[error(transparent)]
+    Metric(#[from] MetricError),
+}
+
+/// What was computed last; methods are known by values of `K`.
+pub struct Live<K> {
+    psfs: Recent<View, [Psf; 3]>,
+    lights: Recent<(u64, View), ColourFrame>,
+    raws: Recent<Shot, RawFrame>,
+    pictures: Recent<(Shot, K), Developed>,
+}
+
+impl<K: PartialEq> Default for Live<K> {
+    fn default() -> Self {
+        let [psfs, lights, pictures] = PLACES;
+        Self {
+            psfs: Recent::new(psfs),
+            lights: Recent::new(lights),
+            raws: Recent::new(pictures),
+            pictures: Recent::new(pictures),
+        }
+    }
+}
+
+impl<K: PartialEq + Clone + Send> Live<K> {
     /// PSFs of red, green and blue, as a capture computes them.
     ///
     /// # Errors
@@ -98,14 +166,41 @@ impl Live {
     ///
     /// # Errors
     /// [`CaptureError`].
-    pub fn raw(&mut self, subject: &Subject, view: &View, sensor: &Sensor) -> Result<RawFrame, CaptureError> {
+    pub fn raw(&mut self, shot: &Shot) -> Result<Arc<RawFrame>, CaptureError> {
+        if let Some(raw) = self.raws.find(shot) {
+            return Ok(raw);
+        }
+        let Shot { subject, view, sensor } = shot;
         let psfs = self.psfs(view)?;
-        let light = self.lights.get((subject.number, view.clone()), |_| {
-            let scene = Scene::flat("", subject.light.clone(), view.psi);
-            Ok::<_, CaptureError>(scene.blurred(|_| &psfs))
-        })?;
-        Ok(expose(&light, sensor)?)
+        let blurred = |_: &_| Ok::<_, CaptureError>(subject.blurred(&psfs));
+        let light = self.lights.get((subject.number, view.clone()), blurred)?;
+        Ok(self.raws.keep(shot.clone(), expose(&light, sensor)?))
     }
+
+    /// What methods make of shots; those that are not kept are computed side by side.
+    ///
+    /// # Errors
+    /// The first [`LiveError`].
+    pub fn developed(&mut self, tasks: &[Task<'_, K>]) -> Result<Vec<Arc<Developed>>, LiveError> {
+        let kept = tasks.iter().map(|(shot, name, _)| self.pictures.find(&((*shot).clone(), name.clone())));
+        let kept: Vec<_> = kept.collect();
+        let raws = tasks.iter().map(|(shot, ..)| self.raw(shot)).collect::<Result<Vec<_>, _>>()?;
+        let missing = |at: &usize| kept[*at].is_none();
+        let made = (0..tasks.len()).filter(missing).map(|at| (tasks[at].0, tasks[at].2, &raws[at]));
+        let made: Vec<(&Shot, &dyn Reconstructor, &Arc<RawFrame>)> = made.collect();
+        let made = made.into_par_iter().map(|(shot, method, raw)| develop(shot, method, raw));
+        let mut made = made.collect::<Result<Vec<_>, _>>()?.into_iter();
+        let all = tasks.iter().zip(kept).map(|((shot, name, _), kept)| {
+            let made = if kept.is_some() { None } else { made.next() };
+            kept.or_else(|| made.map(|made| self.pictures.keep(((*shot).clone(), name.clone()), made)))
+        });
+        Ok(all.flatten().collect())
+    }
+}
+
+fn develop(shot: &Shot, method: &dyn Reconstructor, raw: &RawFrame) -> Result<Developed, LiveError> {
+    let frame = method.reconstruct(raw)?.frame;
+    Ok(Developed { psnr_db: shot.subject.psnr_db(&frame)?, frame })
 }
 
 /// The colours behind the filters of a raw frame: each pixel has one, the others are black.
@@ -144,27 +239,65 @@ pub fn fitted(frame: &ColourFrame, (rows, columns): (usize, usize)) -> ColourFra
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_core::Noise;
+    use edof_core::{Noise, Reconstruction};
+    use edof_optics::Scene;
     use edof_optics::capture::capture;
     use edof_optics::draw::{Builtin, draw};
 
+    fn shot(subject: &Arc<Subject>, camera: &str, seed: u64) -> Shot {
+        let view = View { camera: Camera::resolve(camera).unwrap(), psi: 2.0 };
+        let sensor = Sensor { noise: Noise::sensor(4.0), seed, ..Sensor::default() };
+        Shot { subject: Arc::clone(subject), view, sensor }
+    }
+
     #[test]
     fn a_moved_lens_gives_what_a_capture_gives_to_the_last_bit() {
-        let mut live = Live::default();
+        let mut live = Live::<u8>::default();
         let picture = draw(Builtin::Leaves, 64, 96, &[0.0], 3).unwrap().sharp();
-        let subject = Subject::new(picture.clone());
-        for (name, psi, seed) in [("ring-outer", 2.0, 1), ("ring-outer", 2.0, 2), ("clear-mid", 2.0, 1)] {
-            let camera = Camera::resolve(name).unwrap();
-            let sensor = Sensor { noise: Noise::sensor(4.0), seed, ..Sensor::default() };
-            let scene = Scene::flat("", picture.clone(), psi);
-            let whole = capture(&scene, &camera, &sensor, &Approximation::default()).unwrap().raw;
-            assert_eq!(live.raw(&subject, &View { camera, psi }, &sensor).unwrap(), whole, "{name} {seed}");
+        let subject = Arc::new(Subject::new(picture.clone()));
+        for (name, seed) in [("ring-outer", 1), ("ring-outer", 2), ("clear-mid", 1), ("ring-outer", 1)] {
+            let shot = shot(&subject, name, seed);
+            let scene = Scene::flat("", picture.clone(), 2.0);
+            let whole = capture(&scene, &shot.view.camera, &shot.sensor, &Approximation::default()).unwrap();
+            assert_eq!(*live.raw(&shot).unwrap(), whole.raw, "{name} {seed}");
         }
         // Another picture of the same size is another one.
-        let other = Subject::new(ColourFrame::zeros(64, 96));
-        let view = View { camera: Camera::resolve("ring-outer").unwrap(), psi: 2.0 };
-        let raw = live.raw(&other, &view, &Sensor::default()).unwrap();
-        assert!(raw.pixels().iter().all(|word| *word == 0));
+        let black = shot(&Arc::new(Subject::new(ColourFrame::zeros(64, 96))), "ring-outer", 1);
+        let black = Shot { sensor: Sensor::default(), ..black };
+        assert!(live.raw(&black).unwrap().pixels().iter().all(|word| *word == 0));
+    }
+
+    #[test]
+    fn only_what_is_not_kept_is_computed_and_each_task_has_its_picture() {
+        struct Counted(AtomicU64, f32);
+        impl Reconstructor for Counted {
+            fn name(&self) -> &'static str {
+                "counted"
+            }
+            fn reconstruct(&self, raw: &RawFrame) -> Result<Reconstruction, ReconstructError> {
+                self.0.fetch_add(1, Ordering::Relaxed);
+                let mut frame = ColourFrame::zeros(raw.size().0, raw.size().1);
+                frame.planes.fill(self.1);
+                let (multiplications, counters, iterations) = (None, None, None);
+                Ok(Reconstruction { frame, seconds: 0.0, multiplications, counters, iterations })
+            }
+        }
+        let (dark, light) = (Counted(AtomicU64::new(0), 0.25), Counted(AtomicU64::new(0), 0.75));
+        let subject = Arc::new(Subject::new(draw(Builtin::Chart, 64, 96, &[0.0], 0).unwrap().sharp()));
+        let shots = [1, 2].map(|seed| shot(&subject, "clear-mid", seed));
+        let mut live = Live::default();
+        let mut levels = |tasks: &[(usize, u8)]| -> Vec<f32> {
+            let method = |name: u8| if name == 0 { &dark } else { &light };
+            let tasks: Vec<Task<'_, u8>> = tasks
+                .iter()
+                .map(|(at, name)| (&shots[*at], *name, method(*name) as &dyn Reconstructor))
+                .collect();
+            let pictures = live.developed(&tasks).unwrap();
+            pictures.iter().map(|picture| picture.frame.planes[(0, 0, 0)]).collect()
+        };
+        assert_eq!(levels(&[(0, 0), (0, 1)]), [0.25, 0.75]);
+        assert_eq!(levels(&[(0, 1), (1, 1), (0, 0)]), [0.75, 0.75, 0.25]);
+        assert_eq!([&dark, &light].map(|method| method.0.load(Ordering::Relaxed)), [1, 2]);
     }
 
     #[test]

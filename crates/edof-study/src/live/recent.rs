@@ -17,23 +17,32 @@ impl<K: PartialEq, V> Recent<K, V> {
         Self { kept: VecDeque::new(), places }
     }
 
+    /// Returns the value of a key, if it is kept.
+    pub fn find(&mut self, key: &K) -> Option<Arc<V>> {
+        let at = self.kept.iter().position(|(kept, _)| kept == key)?;
+        let entry = self.kept.remove(at)?;
+        let value = Arc::clone(&entry.1);
+        self.kept.push_front(entry);
+        Some(value)
+    }
+
+    /// Keeps the value of a key.
+    pub fn keep(&mut self, key: K, value: V) -> Arc<V> {
+        let value = Arc::new(value);
+        self.kept.truncate(self.places.saturating_sub(1));
+        self.kept.push_front((key, Arc::clone(&value)));
+        value
+    }
+
     /// Returns the value of a key, and makes it where it is not kept.
     ///
     /// # Errors
     /// Those of `make`; then nothing is kept.
     pub fn get<E>(&mut self, key: K, make: impl FnOnce(&K) -> Result<V, E>) -> Result<Arc<V>, E> {
-        let found = self.kept.iter().position(|(kept, _)| *kept == key).and_then(|at| self.kept.remove(at));
-        let entry = match found {
-            Some(entry) => entry,
-            None => {
-                let value = Arc::new(make(&key)?);
-                (key, value)
-            }
-        };
-        let value = Arc::clone(&entry.1);
-        self.kept.truncate(self.places.saturating_sub(1));
-        self.kept.push_front(entry);
-        Ok(value)
+        match self.find(&key) {
+            Some(value) => Ok(value),
+            None => make(&key).map(|value| self.keep(key, value)),
+        }
     }
 }
 

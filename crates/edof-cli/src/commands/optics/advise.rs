@@ -111,7 +111,7 @@ fn written(advice: &Advice, open: &Camera, args: &Args) -> Result<Camera, Error>
 }
 
 /// The command that trains a network for a camera and a light, from half to twice its gain.
-fn train(camera: &Path, light: Light, stops: f64) -> String {
+pub fn train(camera: &Path, light: Light, stops: f64) -> String {
     let gain = SensorNoise::default().full_well_e / light.electrons * stops.exp2();
     let digits = |gain: f64| number((gain * 1e3).round() / 1e3);
     format!(

@@ -1,17 +1,17 @@
 //! What the page is answered: a function of its state, with what was computed last kept.
 
 use super::networks::{Choice, Networks};
-use super::pictures::{self, Behind, DepthDb};
+use super::pictures::{self, Behind, DepthDb, Method};
 use super::state::{AdviceState, ClearLens, LensState, MAX_STOPS, State, view};
 use crate::commands::optics::advise;
 use crate::error::Error;
-use crate::weights;
 use edof::job::photograph::{self, Tones};
 use edof_core::Tone;
 use edof_core::camera::{Camera, PRESETS, Sign, centroid};
 use edof_core::words::alternatives;
 use edof_io::photo;
 use edof_network::form;
+use edof_network::network::{Form, Origin};
 use edof_optics::Statistics;
 use edof_optics::bound::advise::{Advice, Kind, advise as advised};
 use edof_optics::bound::lenses::without_mask;
@@ -20,7 +20,7 @@ use edof_optics::draw::{Builtin, MIN_SIDE, draw};
 use edof_optics::psf::Psf;
 use edof_study::labels;
 use edof_study::lens::{contrast, curve_depths, responses};
-use edof_study::live::{Live, Recent, Subject, View, fitted};
+use edof_study::live::{Live, Recent, Shot, Subject, View, fitted};
 use edof_study::report::picture::{psf_picture, rgba};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -30,7 +30,7 @@ use std::time::Instant;
 /// Rows and columns of pictures, at most.
 const ROOM: (usize, usize) = (384, 512);
 /// The scenes that are drawn, by name. Their seed is that of commands without options.
-const SCENES: [&str; 3] = ["leaves", "chart", "labels"];
+const SCENES: [&str; 3] = ["chart", "labels", "leaves"];
 const SEED: u64 = 0;
 /// The name of a picture of the user.
 const PHOTOGRAPH: &str = "photograph";
@@ -46,7 +46,7 @@ struct Contrast {
 pub struct Engine {
     camera: Camera,
     scenes: Vec<(&'static str, Arc<Subject>)>,
-    live: Live,
+    live: Live<Method>,
     networks: Networks,
     contrasts: Recent<Camera, Contrast>,
 }
@@ -105,15 +105,12 @@ impl Engine {
     pub fn setup(&self) -> Result<Value, Error> {
         let camera = |(name, text): &(&str, &str)| Camera::from_json(text, name);
         let presets = PRESETS.iter().map(camera).collect::<Result<Vec<_>, _>>()?;
-        let network = |name: &str| {
-            let network = weights::float(name)?;
-            let tones: Vec<Tone> = network.origin.conditions.iter().map(|condition| condition.tone).collect();
-            Ok::<_, Error>(json!({
-                "name": name, "camera": network.origin.camera.name, "form": form::words(&network.form),
-                "layers": network.form.layers, "tones": tones,
-            }))
+        let network = |(name, form, origin): (&str, &Form, &Origin)| {
+            let tones: Vec<Tone> = origin.conditions.iter().map(|condition| condition.tone).collect();
+            let (camera, words) = (&origin.camera.name, form::words(form));
+            json!({ "name": name, "camera": camera, "form": words, "layers": form.layers, "tones": tones })
         };
-        let networks = weights::names().into_iter().map(network).collect::<Result<Vec<_>, _>>()?;
+        let networks: Vec<Value> = self.networks.catalogue.networks().map(network).collect();
         let scenes: Vec<&str> = self.scenes.iter().map(|(name, _)| *name).collect();
         Ok(json!({
             "camera": self.camera, "presets": presets, "networks": networks, "scenes": scenes, "max_stops": MAX_STOPS,
@@ -127,8 +124,9 @@ impl Engine {
     /// A state that no lens, sensor or network has.
     pub fn pictures(&mut self, state: &State) -> Result<Vec<u8>, Error> {
         let begun = Instant::now();
-        let (subject, coded, clear) = self.behind(state)?;
-        pictures::answer(&subject, &coded, &clear, begun)
+        let (coded, clear) = self.behind(state)?;
+        let train = advise::train(Path::new(pictures::CAMERA_FILE), state.light.light()?, state.stops);
+        pictures::answer(&mut self.live, &coded, &clear, train, begun)
     }
 
     /// dB of a state's depth.
@@ -136,36 +134,38 @@ impl Engine {
     /// # Errors
     /// As [`Engine::pictures`].
     pub fn depth_db(&mut self, state: &State) -> Result<DepthDb, Error> {
-        let (subject, coded, clear) = self.behind(state)?;
-        pictures::depth_db(state, &subject, &coded, &clear)
+        let (coded, clear) = self.behind(state)?;
+        pictures::depth_db(&mut self.live, state.psi, &coded, &clear)
     }
 
-    fn behind(&mut self, state: &State) -> Result<(Arc<Subject>, Behind, Behind), Error> {
+    /// The lens of a state, and the clear one beside it.
+    fn behind(&mut self, state: &State) -> Result<(Behind, Behind), Error> {
         let subject = self.subject(&state.scene)?;
-        let coded =
-            self.one(&subject, state, (&state.camera, state.stops), state.network.clone(), state.layers)?;
         let ClearLens { stops, focus_psi } = state.clear;
         // Without a mask both signs are the same lens.
         let clear = Camera { focus_psi, defocus_sign: Sign::Plus, ..without_mask(&state.camera) };
-        let clear = self.one(&subject, state, (&clear, stops), None, None)?;
-        Ok((subject, coded, clear))
+        let own = (state.network.clone(), state.layers);
+        Ok((
+            self.one(&subject, state, (&state.camera, state.stops), own)?,
+            self.one(&subject, state, (&clear, stops), (None, None))?,
+        ))
     }
 
-    /// A lens with its frame and its network.
+    /// A lens with its network.
     fn one(
         &mut self,
-        subject: &Subject,
+        subject: &Arc<Subject>,
         state: &State,
         (open, stops): (&Camera, f64),
-        name: Option<String>,
-        layers: Option<usize>,
+        (name, layers): (Option<String>, Option<usize>),
     ) -> Result<Behind, Error> {
         let view = view(open, stops, state.psi)?;
         let noise = state.light.noise(stops)?;
         let name = name.unwrap_or_else(|| self.networks.name_for(&view.camera, noise));
-        let network = self.networks.ready(Choice { name, layers, stride: state.stride })?;
-        let raw = self.live.raw(subject, &view, &pictures::sensor(noise, state.seed))?;
-        Ok(Behind { view, noise, raw, network })
+        let choice = Choice { name, layers, stride: state.stride };
+        let network = self.networks.ready(choice.clone())?;
+        let shot = Shot { subject: Arc::clone(subject), view, sensor: pictures::sensor(noise, state.seed) };
+        Ok(Behind { shot, network, choice })
     }
 
     fn subject(&self, name: &str) -> Result<Arc<Subject>, Error> {

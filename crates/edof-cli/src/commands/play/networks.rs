@@ -1,7 +1,8 @@
 //! Networks of the page: those that come with the program, for a lens and a noise, with fewer layers and any stride.
 
 use crate::error::Error;
-use crate::{said, weights};
+use crate::said;
+use crate::weights::{self, Catalogue};
 use edof_core::camera::Camera;
 use edof_core::overlap::Overlap;
 use edof_core::{Noise, Reconstructor, Tone};
@@ -45,31 +46,25 @@ pub struct Said {
     is_noise_known: Option<bool>,
 }
 
-/// Networks that were used last.
+/// Networks that come with the program, and those that were used last.
 pub struct Networks {
+    pub catalogue: Catalogue,
     ready: Recent<Choice, Ready>,
-    chosen: Recent<(Camera, Noise), String>,
 }
 
 impl Networks {
+    /// Reads what all were trained for.
     pub fn new() -> Self {
-        Self { ready: Recent::new(8), chosen: Recent::new(32) }
+        Self { catalogue: Catalogue::read(), ready: Recent::new(8) }
     }
 
-    /// Returns the name of the network that comes with the program and suits a lens and a noise; where none was trained for the lens, one for clear or coded
-    /// lenses, whichever it is.
-    pub fn name_for(&mut self, camera: &Camera, noise: Noise) -> String {
-        let named = self.chosen.get((camera.clone(), noise), |(camera, noise)| {
-            let usual = if camera.is_clear() {
-                weights::clear_for(Tone::Srgb)
-            } else {
-                weights::default_for(Tone::Srgb)
-            };
-            let name = weights::trained_on(camera, Tone::Srgb).unwrap_or(usual);
-            Ok::<_, std::convert::Infallible>(weights::for_noise(name, Tone::Srgb, *noise).to_owned())
-        });
-        let Ok(name) = named;
-        name.as_ref().clone()
+    /// Returns the name of the network that suits a lens and a noise; where none was trained for the lens, one for clear or coded lenses, whichever it is.
+    pub fn name_for(&self, camera: &Camera, noise: Noise) -> String {
+        let tone = Tone::Srgb;
+        let usual = if camera.is_clear() { weights::clear_for(tone) } else { weights::default_for(tone) };
+        let name = self.catalogue.trained_on(camera, &[tone]).unwrap_or(usual);
+        let known = self.catalogue.networks().find(|(known, ..)| *known == name);
+        known.map_or(name, |usual| self.catalogue.for_noise(usual, tone, noise)).to_owned()
     }
 
     /// Returns a network that is ready.

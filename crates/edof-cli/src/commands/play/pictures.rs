@@ -1,26 +1,28 @@
 //! Pictures of a state, in one binary answer: the length of a JSON text in four bytes (little end first), the text, then each picture's pixels, red, green, blue
 //! and 255, in the order in which the text lists them.
 
-use super::networks::{Ready, Said};
-use super::state::State;
+use super::networks::{Choice, Ready, Said};
 use crate::error::Error;
 use edof_core::camera::Camera;
-use edof_core::{ColourFrame, Noise, RawFrame, Reconstructor, Tone};
+use edof_core::{Noise, Tone};
 use edof_deblur::Malvar;
 use edof_optics::Sensor;
-use edof_study::live::{Subject, View, mosaic};
+use edof_study::live::{Developed, Live, Shot, Task, View, mosaic};
 use edof_study::report::picture::rgba;
+use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;
 
 /// A lens with its frame and its network.
 pub struct Behind {
-    pub view: View,
-    pub noise: Noise,
-    pub raw: RawFrame,
+    pub shot: Shot,
     pub network: Arc<Ready>,
+    pub choice: Choice,
 }
+
+/// What pictures are made by: a network, or demosaicing.
+pub type Method = Option<Choice>;
 
 /// A picture, and how near it comes to the sharp one.
 #[derive(Serialize)]
@@ -46,6 +48,8 @@ struct Text<'a> {
     pictures: Vec<Shown>,
     lens: Lens<'a>,
     clear: Lens<'a>,
+    /// The command that trains a network for the lens, saved as [`CAMERA_FILE`].
+    train: String,
     seconds: f64,
 }
 
@@ -58,80 +62,79 @@ pub struct DepthDb {
     clear: f64,
 }
 
+/// Where commands of the page have its lens.
+pub const CAMERA_FILE: &str = "page.json";
+
 /// The sensor that takes the frames: that of `edof capture` without options.
 pub fn sensor(noise: Noise, seed: u64) -> Sensor {
     Sensor { noise, seed, ..Sensor::default() }
 }
 
-/// A picture of a method and its dB.
-fn judged(
-    subject: &Subject,
-    method: &dyn Reconstructor,
-    raw: &RawFrame,
-) -> Result<(ColourFrame, f64), Error> {
-    let frame = method.reconstruct(raw)?.frame;
-    let db = subject.psnr_db(&frame)?;
-    Ok((frame, db))
-}
-
-/// The three pictures that are compared.
-fn compared(subject: &Subject, coded: &Behind, clear: &Behind) -> Result<[(ColourFrame, f64); 3], Error> {
+/// The three pictures that are compared: of the lens, demosaiced and by its network, and of the clear lens by its own.
+fn compared(live: &mut Live<Method>, coded: &Behind, clear: &Behind) -> Result<[Arc<Developed>; 3], Error> {
     let malvar = Malvar::default();
-    let (demosaiced, (network, clear)) = rayon::join(
-        || judged(subject, &malvar, &coded.raw),
-        || {
-            rayon::join(
-                || judged(subject, &coded.network.method, &coded.raw),
-                || judged(subject, &clear.network.method, &clear.raw),
-            )
-        },
-    );
-    Ok([demosaiced?, network?, clear?])
+    let by_network = |behind: &'_ Behind| Some(behind.choice.clone());
+    let tasks: [Task<'_, Method>; 3] = [
+        (&coded.shot, None, &malvar),
+        (&coded.shot, by_network(coded), &coded.network.method),
+        (&clear.shot, by_network(clear), &clear.network.method),
+    ];
+    let pictures = live.developed(&tasks)?;
+    <[_; 3]>::try_from(pictures).map_err(|_| Error::message("expected a picture of each task"))
 }
 
 /// Returns dB of the state's depth.
 ///
 /// # Errors
 /// A method that rejects the frame, a picture too small to compare.
-pub fn depth_db(state: &State, subject: &Subject, coded: &Behind, clear: &Behind) -> Result<DepthDb, Error> {
-    let [demosaiced, network, clear] = compared(subject, coded, clear)?.map(|(_, db)| db);
-    Ok(DepthDb { psi: state.psi, demosaiced, network, clear })
+pub fn depth_db(live: &mut Live<Method>, psi: f64, coded: &Behind, clear: &Behind) -> Result<DepthDb, Error> {
+    let [demosaiced, network, clear] = compared(live, coded, clear)?.map(|picture| picture.psnr_db);
+    Ok(DepthDb { psi, demosaiced, network, clear })
 }
 
 /// Returns all pictures and what is said of them.
 ///
 /// # Errors
 /// As [`depth_db`].
-pub fn answer(subject: &Subject, coded: &Behind, clear: &Behind, begun: Instant) -> Result<Vec<u8>, Error> {
-    let [demosaiced, network, other] = compared(subject, coded, clear)?;
-    let mosaic = mosaic(&coded.raw);
+pub fn answer(
+    live: &mut Live<Method>,
+    coded: &Behind,
+    clear: &Behind,
+    train: String,
+    begun: Instant,
+) -> Result<Vec<u8>, Error> {
+    let [demosaiced, network, other] = compared(live, coded, clear)?;
+    let mosaic = mosaic(&*live.raw(&coded.shot)?);
+    let subject = &coded.shot.subject;
     let all = [
         ("sharp", subject.light(), None),
         ("raw", &mosaic, None),
-        ("demosaiced", &demosaiced.0, Some(demosaiced.1)),
-        ("network", &network.0, Some(network.1)),
-        ("clear", &other.0, Some(other.1)),
+        ("demosaiced", &demosaiced.frame, Some(demosaiced.psnr_db)),
+        ("network", &network.frame, Some(network.psnr_db)),
+        ("clear", &other.frame, Some(other.psnr_db)),
     ];
     let (height, width) = subject.light().size();
+    let pixels: Vec<Vec<u8>> = all.par_iter().map(|(_, frame, _)| rgba(frame, Tone::Srgb)).collect();
     let text = Text {
         width,
         height,
         pictures: all.iter().map(|(id, _, psnr_db)| Shown { id, psnr_db: *psnr_db }).collect(),
         lens: coded.told(),
         clear: clear.told(),
+        train,
         seconds: begun.elapsed().as_secs_f64(),
     };
     let text = serde_json::to_vec(&text)?;
     let mut bytes = (text.len() as u32).to_le_bytes().to_vec();
     bytes.extend(text);
-    all.iter().for_each(|(_, frame, _)| bytes.extend(rgba(frame, Tone::Srgb)));
+    pixels.iter().for_each(|pixels| bytes.extend(pixels));
     Ok(bytes)
 }
 
 impl Behind {
     fn told(&self) -> Lens<'_> {
-        let View { camera, psi } = &self.view;
-        let network = self.network.said(camera, self.noise);
-        Lens { camera, psi: *psi, noise: self.noise, f_number: camera.f_number(), network }
+        let Shot { view: View { camera, psi }, sensor, .. } = &self.shot;
+        let network = self.network.said(camera, sensor.noise);
+        Lens { camera, psi: *psi, noise: sensor.noise, f_number: camera.f_number(), network }
     }
 }

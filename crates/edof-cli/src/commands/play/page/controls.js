@@ -6,7 +6,9 @@ const digits = (value, count) => Number(value).toFixed(count);
 const signed = (value, count) => `${value < 0 ? "\u2212" : ""}${digits(Math.abs(value), count)}`;
 const psi = (value) => `\u03c8 ${signed(value, 2)}`;
 const radians = (value) => `${signed(value, 2)} rad`;
-const electrons = (exponent) => `${Math.round(10 ** exponent).toLocaleString("en")} e\u207b`;
+/** Two digits are enough of a light. */
+const light10 = (exponent) => Number((10 ** exponent).toPrecision(2));
+const electrons = (exponent) => `${light10(exponent).toLocaleString("en")} e\u207b`;
 
 function element(kind, properties = {}, children = []) {
   const made = Object.assign(document.createElement(kind), properties);
@@ -100,10 +102,10 @@ export function controls(form, setup, changed) {
     const inner = (value) => moveRing(index, { inner: Math.min(value, state.camera.rings[index].outer - 0.01) });
     const outer = (value) => moveRing(index, { outer: Math.max(value, state.camera.rings[index].inner + 0.01) });
     const phase = (rad) => moveRing(index, { delay: { phase: { rad, at_nm: nm } } });
-    const two = (value) => digits(value, 3);
+    const radius = (value) => digits(value, 4);
     return [
-      slider(name("inner"), `Ring ${index + 1}, inner radius`, [0, 0.99, 0.0005], one.inner, two, inner),
-      slider(name("outer"), `Ring ${index + 1}, outer radius`, [0.01, 1, 0.0005], one.outer, two, outer),
+      slider(name("inner"), `Ring ${index + 1}, inner radius`, [0, 0.99, 0.0005], one.inner, radius, inner),
+      slider(name("outer"), `Ring ${index + 1}, outer radius`, [0.01, 1, 0.0005], one.outer, radius, outer),
       slider(name("phase"), `Ring ${index + 1}, phase at ${nm} nm`, [-15, 15, 0.01], ringPhase(one, nm), radians, phase),
     ];
   };
@@ -153,7 +155,7 @@ export function controls(form, setup, changed) {
   const lens = () => {
     const [low, high] = state.camera.psi_range;
     const range = [low, high, (high - low) / 160];
-    const wide = [low - 0.25 * (high - low), high + 0.25 * (high - low), (high - low) / 160];
+    const wide = [low - 0.25 * (high - low), high + 0.25 * (high - low), (high - low) / 800];
     return group("Lens", [
       slider("psi", "Depth of the object", range, state.psi, psi, (value) => move({ psi: value })),
       slider("focus", "Focus", wide, state.camera.focus_psi, psi, (value) => move({ camera: { ...state.camera, focus_psi: value } })),
@@ -161,7 +163,7 @@ export function controls(form, setup, changed) {
     ]);
   };
   const light = () => group("Light", [
-    slider("electrons", "White pixel, lens open", [2, 5, 0.05], Math.log10(state.electrons), electrons, (value) => move({ electrons: Math.round(10 ** value) })),
+    slider("electrons", "White pixel, lens open", [2, 5, 0.02], Math.log10(state.electrons), electrons, (value) => move({ electrons: light10(value) })),
     slider("read-noise", "Read noise", [0, 20, 0.5], state.read_noise_e, (value) => `${digits(value, 1)} e\u207b`, (value) => move({ read_noise_e: value })),
     element("div", { className: "row" }, [button("again", "Draw noise again", () => move({ seed: state.seed + 1 }))]),
   ]);

@@ -55,7 +55,7 @@ function figures(answer) {
     return row;
   }));
   const { isForeign, words } = network(answer.lens);
-  const text = `This network was not trained for this lens (${words.join(", ")} differ${words.length === 1 ? "s" : ""}). A network of its own would do better.`;
+  const text = `This network was not trained for this lens (${words.join(", ")} differ${words.length === 1 ? "s" : ""}). A network of its own would do better; save the camera below, then: ${answer.train}`;
   at("warning").textContent = isForeign ? text : "";
 }
 
@@ -72,7 +72,7 @@ function commands(answer, { scene, stride, seed }) {
     "edof compare sharp.png out.png",
   ].join("\n");
   at("commands-note").textContent = isDrawn ? "" : "The page makes large pictures smaller first; the commands take picture.png as it is.";
-  at("camera-file").href = URL.createObjectURL(new Blob([JSON.stringify(camera, null, 2)], { type: "application/json" }));
+  at("camera-file").href = `data:application/json,${encodeURIComponent(JSON.stringify(camera, null, 2))}`;
 }
 
 function present() {
@@ -87,7 +87,6 @@ const pictures = server.latest(async (state) => {
     at("error").textContent = "";
     present();
     figures(answer);
-    URL.revokeObjectURL(at("camera-file").href);
     commands(answer, state);
     at("pace").textContent = `computed in ${Math.round(1000 * answer.seconds)} ms`;
   } catch (error) {
@@ -99,13 +98,13 @@ const pictures = server.latest(async (state) => {
 const lens = server.latest(async (state) => {
   try {
     const answer = await server.lens({ camera: state.camera, psi: state.psi, stops: state.stops });
-    psfs(at("psfs"), answer.psf, answer.kernel_side);
+    const side = psfs(at("psfs"), answer.psf, answer.kernel_side);
     const metres = answer.distance_m === null ? "" : `, ${answer.distance_m.toFixed(2)} m`;
-    at("psf-note").textContent = `31 \u00d7 31 pixels, each scaled to its peak. F/${answer.f_number.toFixed(2)}${metres}.`;
+    at("psf-note").textContent = `${side} \u00d7 ${side} pixels, each scaled to its peak. F/${answer.f_number.toFixed(2)}${metres}.`;
     const curve = (values, range, name, style) => ({ name, style, points: values.map((value, i) => [range[0] + ((range[1] - range[0]) * i) / (values.length - 1), value]) });
     const low = Math.min(0, ...answer.mtf.flat());
     plot(at("mtf"), {
-      x: { title: "frequency / cut-off of green", range: [0, 1] }, y: { range: [low < -0.02 ? -0.4 : 0, 1] },
+      x: { title: "frequency / cut-off of green", range: [0, 1] }, y: { range: [low < -0.02 ? Math.floor(5 * low) / 5 : 0, 1] },
       curves: answer.mtf.map((values, i) => curve(values, [0, 1], COLOURS[i], COLOURS[i])),
       label: `Contrast over spatial frequency. At a quarter of the cut-off: ${COLOURS.map((name, i) => `${name} ${answer.contrast_quarter_cutoff[i].toFixed(3)}`).join(", ")}.`,
     });

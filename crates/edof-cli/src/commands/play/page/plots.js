@@ -34,7 +34,7 @@ export function plot(place, { x, y, curves, mark, label }) {
   for (const value of ticks(...x.range)) {
     picture.append(svg("text", { x: across(value), y: HEIGHT - BOTTOM + 14, "text-anchor": "middle" }, String(value).replace("-", "\u2212")));
   }
-  picture.append(svg("text", { x: 0.5 * (LEFT + WIDTH - RIGHT), y: HEIGHT - 2, "text-anchor": "middle" }, x.title));
+  picture.append(svg("text", { x: 0.5 * (LEFT + WIDTH - RIGHT), y: HEIGHT - 4, "text-anchor": "middle" }, x.title));
   for (const { style, points } of curves) {
     const inside = points.map(([a, b]) => `${across(a).toFixed(1)},${down(Math.min(Math.max(b, y.range[0]), y.range[1])).toFixed(1)}`);
     if (inside.length === 1) picture.append(svg("circle", { class: style, cx: inside[0].split(",")[0], cy: inside[0].split(",")[1], r: 2 }));
@@ -53,19 +53,35 @@ export function plot(place, { x, y, curves, mark, label }) {
   place.replaceChildren(picture, key);
 }
 
-/** Three pictures, one of each colour, from pixels in which each channel is one colour's PSF. */
+/** Codes below this one are too dark to see, and the least pixels that are shown. */
+const [FAINT, LEAST] = [22, 9];
+
+/** Half the side of the square outside of which nothing is bright enough to be seen. */
+function reach(side, rgba) {
+  const half = (side - 1) / 2;
+  let most = (LEAST - 1) / 2;
+  for (let pixel = 0; pixel < side * side; pixel++) {
+    if (Math.max(rgba[4 * pixel], rgba[4 * pixel + 1], rgba[4 * pixel + 2]) < FAINT) continue;
+    most = Math.max(most, Math.abs((pixel % side) - half), Math.abs(Math.floor(pixel / side) - half));
+  }
+  return most;
+}
+
+/** Three pictures, one of each colour, from pixels in which each channel is one colour's PSF. Returns the pixels of a side that are shown. */
 export function psfs(place, { side, rgba }, sides) {
+  const half = reach(side, rgba);
+  const [seen, first] = [2 * half + 1, (side - 1) / 2 - half];
   const tints = [[255, 120, 110], [120, 230, 140], [120, 170, 255]];
   const cells = ["Red", "Green", "Blue"].map((name, plane) => {
     const canvas = document.createElement("canvas");
-    [canvas.width, canvas.height] = [side, side];
+    [canvas.width, canvas.height] = [seen, seen];
     const image = new ImageData(side, side);
     for (let pixel = 0; pixel < side * side; pixel++) {
       const share = rgba[4 * pixel + plane] / 255;
       tints[plane].forEach((tint, channel) => (image.data[4 * pixel + channel] = share * tint));
       image.data[4 * pixel + 3] = 255;
     }
-    canvas.getContext("2d").putImageData(image, 0, 0);
+    canvas.getContext("2d").putImageData(image, -first, -first);
     canvas.setAttribute("role", "img");
     canvas.setAttribute("aria-label", `${name}: a blur of ${sides[plane]} by ${sides[plane]} pixels`);
     const cell = document.createElement("div");
@@ -73,4 +89,5 @@ export function psfs(place, { side, rgba }, sides) {
     return cell;
   });
   place.replaceChildren(...cells);
+  return seen;
 }
