@@ -92,7 +92,7 @@ class Browser:
         self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
 
     def photograph(self, file):
-        size = self.value("[document.documentElement.clientWidth, document.documentElement.scrollHeight]")
+        size = self.value("[window.innerWidth, document.documentElement.scrollHeight]")
         clip = {"x": 0, "y": 0, "width": size[0], "height": size[1], "scale": 1}
         data = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=True, clip=clip)["data"]
         Path(file).write_bytes(base64.b64decode(data))

@@ -35,7 +35,7 @@ SLIDERS = {
     "stride": ["db-network", "db-clear"],
 }
 # A pixel step of a radius moves too little to be seen in two digits.
-STEPS = {"ring-1-inner": 40, "ring-1-outer": -40, "ring-1-phase": 60, "psi": 8, "focus": 8, "layers": -1, "stride": -1, "cubic": 10, "mixed": 10, "electrons": 8}
+STEPS = {"ring-1-inner": 40, "ring-1-outer": -40, "ring-1-phase": 60, "psi": 8, "focus": 80, "layers": -1, "stride": -1, "cubic": 10, "mixed": 10, "electrons": 12}
 
 SHOWN = """Object.fromEntries([...["db-demosaiced", "db-network", "db-clear"].map((id) => [id, document.getElementById(id).textContent]),
   ["psfs", [...document.querySelectorAll("#psfs canvas")].map((canvas) => canvas.toDataURL()).join()],
