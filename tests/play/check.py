@@ -35,7 +35,7 @@ SLIDERS = {
     "stride": ["db-network", "db-clear"],
 }
 # A pixel step of a radius moves too little to be seen in two digits.
-STEPS = {"ring-1-inner": 40, "ring-1-outer": -40, "ring-1-phase": 60, "psi": 8, "focus": 80, "layers": -1, "stride": -1, "cubic": 10, "mixed": 10, "electrons": 12}
+STEPS = {"ring-1-inner": 40, "ring-1-outer": -40, "ring-1-phase": 60, "psi": 8, "focus": 80, "layers": -1, "stride": -1, "cubic": 10, "mixed": 10, "electrons": 12, "read-noise": 30}
 
 SHOWN = """Object.fromEntries([...["db-demosaiced", "db-network", "db-clear"].map((id) => [id, document.getElementById(id).textContent]),
   ["psfs", [...document.querySelectorAll("#psfs canvas")].map((canvas) => canvas.toDataURL()).join()],
@@ -61,6 +61,7 @@ def errors(browser):
 def sliders(browser):
     """Moves each slider by the keyboard, and back."""
     for name, changes in SLIDERS.items():
+        print(f"slider {name}", flush=True)
         before = browser.value(SHOWN)
         browser.value(f"document.getElementById('{name}').focus()")
         value, words = browser.value(f"[document.getElementById('{name}').value, document.getElementById('{name}').getAttribute('aria-valuetext')]")

@@ -104,7 +104,7 @@ pub fn answer(
     begun: Instant,
 ) -> Result<Vec<u8>, Error> {
     let [demosaiced, network, other] = compared(live, coded, clear)?;
-    let mosaic = mosaic(&*live.raw(&coded.shot)?);
+    let mosaic = mosaic(&live.raw(&coded.shot)?);
     let subject = &coded.shot.subject;
     let all = [
         ("sharp", subject.light(), None),
