@@ -77,8 +77,7 @@ fn chromaticities(content: &[u8]) -> Option<Gamut> {
     let (numbers, _) = content.as_chunks::<4>();
     let own = numbers.iter().map(|bytes| f64::from(u32::from_be_bytes(*bytes)) / 1e5);
     let is_srgb = own.zip(CHROMATICITIES).all(|(own, srgb)| (own - srgb).abs() <= EQUAL);
-    (numbers.len() == CHROMATICITIES.len() && !is_srgb)
-        .then(|| Gamut("unnamed primaries (cHRM)".to_owned()))
+    (numbers.len() == CHROMATICITIES.len() && !is_srgb).then(|| Gamut("unnamed primaries (cHRM)".to_owned()))
 }
 
 #[cfg(test)]

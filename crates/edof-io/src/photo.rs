@@ -88,8 +88,15 @@ impl Photograph {
 /// # Errors
 /// [`PhotoError::Picture`] naming the file.
 pub fn open(path: &Path) -> Result<Photograph, PhotoError> {
-    let bytes = picture::read(path)?;
-    let planes = light(&bytes, path)?;
+    of_bytes(&picture::read(path)?, path)
+}
+
+/// Reads a photograph from the bytes of its file, as [`open`]; `path` names it in errors.
+///
+/// # Errors
+/// As [`open`].
+pub fn of_bytes(bytes: &[u8], path: &Path) -> Result<Photograph, PhotoError> {
+    let planes = light(bytes, path)?;
     let (_, height, width) = planes.dim();
     let frame = if planes.dim().0 == 3 {
         ColourFrame { planes }
@@ -98,8 +105,8 @@ pub fn open(path: &Path) -> Result<Photograph, PhotoError> {
         frame.planes.assign(&planes);
         frame
     };
-    let (transfer, gamut) = (Transfer::of(&bytes), Gamut::of(&bytes));
-    Ok(Photograph { frame, transfer, gamut, is_followed: picture::is_followed(&bytes) })
+    let (transfer, gamut) = (Transfer::of(bytes), Gamut::of(bytes));
+    Ok(Photograph { frame, transfer, gamut, is_followed: picture::is_followed(bytes) })
 }
 
 /// Reads a photograph without what its file states, as [`open`].
