@@ -132,13 +132,6 @@ impl PyCamera {
         Self::checked(Camera { aberrations: Zernike(aberrations), ..(*self.0).clone() })
     }
 
-    fn with_focus(&self, psi: f64) -> PyResult<Self> {
-        if self.0.psf_bank.is_some() {
-            return Err(failed(format!("psi {psi}: camera {} has PSFs of a bank, which has one focus", self.0.name)));
-        }
-        Self::checked(Camera { focus_psi: number(psi, "psi")?, ..(*self.0).clone() })
-    }
-
     fn with_mask(&self, terms: &Bound<'_, PyAny>) -> PyResult<Self> {
         let text: String = terms.py().import("json")?.call_method1("dumps", (terms,))?.extract()?;
         let terms: Vec<Term> = json::parse(&text).map_err(|e| failed(format!("terms {e}")))?;
