@@ -8,6 +8,7 @@ mod bound;
 mod contradictions;
 mod developing;
 mod documents;
+mod exposures;
 mod external;
 mod first_steps;
 mod happy;

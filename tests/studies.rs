@@ -1,6 +1,6 @@
 //! Studies, by the real binary on small inputs: rows that are kept, resumed and shared out, and what they say.
 
-use crate::support::{Place, network};
+use crate::support::{Place, network, network_of_two};
 use edof_core::camera::Camera;
 use edof_core::{Noise, Tone};
 use edof_network::network::Condition;
@@ -534,13 +534,7 @@ fn masks_and_known_depths_are_compared_on_photographs_by_networks_of_their_own()
         std::fs::create_dir(place.path(folder)).unwrap();
     }
     let save = |file: &str, camera: &str, psi_range: [f64; 2]| {
-        let mut network = network();
-        if file.contains("exposures") {
-            network.form.exposures = 2;
-            network.origin.further_foci = vec![6.0];
-            network.analysis = ndarray::concatenate![ndarray::Axis(1), network.analysis, network.analysis];
-            network.linear_path = network.linear_path.map(|r| ndarray::concatenate![ndarray::Axis(1), r, r]);
-        }
+        let mut network = if file.contains("exposures") { network_of_two([4.0, 6.0]) } else { network() };
         network.origin.camera = Camera { psi_range, ..Camera::resolve(camera).unwrap() };
         // Two exposures have half of the light each.
         let frames = network.form.exposures as f64;

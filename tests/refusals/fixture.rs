@@ -161,6 +161,7 @@ fn png_of(width: u32, height: u32) -> Vec<u8> {
 
 fn networks(place: &Place) {
     place.float_network("net.safetensors");
+    place.network_of_two("two.safetensors");
     place.fixed_network("net.fixed.safetensors");
     place.float_network("weights/net.safetensors");
     place.fixed_network("weights/net.fixed.safetensors");
@@ -301,6 +302,7 @@ fn scenes(place: &Place) {
 /// A frame with a record of each kind that cannot be its own.
 fn records(place: &Place) {
     place.edof("capture photo.png --psi 1 --no-measure --out taken.png").done();
+    place.edof("capture photo.png --psi 1 --no-measure --camera clear-mid --focus 2,6 --out pair.png").done();
     let taken: Value = serde_json::from_slice(&fs::read(place.path("taken.png.json")).unwrap()).unwrap();
     for (name, field, value) in [
         ("depth", "depth", "99"),

@@ -6,7 +6,7 @@ use edof_core::{CfaPhase, ColourFrame, RawFrame, Stride, Window};
 use edof_network::fixed_network::{FixedMatrix, FixedNetwork};
 use edof_network::network::{Form, Network, Origin, Recurrence, Shrinkage};
 use edof_network::weight_file;
-use ndarray::{Array1, Array2, Array3};
+use ndarray::{Array1, Array2, Array3, Axis, concatenate};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, HashMap};
@@ -109,6 +109,11 @@ impl Place {
         weight_file::save_network(&self.path(name), &network()).unwrap();
     }
 
+    /// A float network of two exposures, at the foci 2 and 6 of the camera clear-mid.
+    pub fn network_of_two(&self, name: &str) {
+        weight_file::save_network(&self.path(name), &network_of_two([2.0, 6.0])).unwrap();
+    }
+
     pub fn fixed_network(&self, name: &str) {
         weight_file::save_fixed(&self.path(name), &fixed_network()).unwrap();
     }
@@ -193,6 +198,20 @@ pub fn network() -> Network {
         dictionary: Array2::zeros((192, 4)),
         linear_path: Some(Array2::from_shape_fn((192, 64), |(o, i)| pixel(o, i))),
         origin: origin(),
+    }
+}
+
+/// Gives the mean of what [`network`] makes of each of two raw frames, taken at these foci of the camera `clear-mid`.
+pub fn network_of_two(foci: [f64; 2]) -> Network {
+    let twice = |matrix: Array2<f32>| concatenate![Axis(1), matrix, matrix];
+    let Network { form, analysis, linear_path, origin, .. } = network();
+    let camera = Camera { focus_psi: foci[0], ..Camera::resolve("clear-mid").unwrap() };
+    Network {
+        form: Form { exposures: 2, ..form },
+        analysis: twice(analysis),
+        linear_path: linear_path.map(|r| 0.5 * twice(r)),
+        origin: Origin { name: "two".into(), camera, further_foci: vec![foci[1]], ..origin },
+        ..network()
     }
 }
 

@@ -21,7 +21,7 @@ const COMMANDS: [(&str, &[Group]); 16] = [
         "capture",
         &[
             ("Scene", "size seed tone depth-map range map-of map-unit layers"),
-            ("Lens and depth", "camera psf-bank centre psi nominal"),
+            ("Lens and depth", "camera psf-bank centre psi nominal focus"),
             ("Sensor", "bit-depth phase noise black-level"),
             ("Files to write", "out video grey values sharp light"),
             ("Accuracy", "energy wavelength-tolerance depth-tolerance exact measure"),

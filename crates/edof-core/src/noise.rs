@@ -94,6 +94,24 @@ impl Noise {
         }
     }
 
+    /// Returns the noise of each of `exposures` frames that share the exposure time in equal parts: a share of the electrons, the read noise of a
+    /// whole frame, and a gain that makes white full scale. Gaussian noise has none, because it states no electrons.
+    ///
+    /// ```
+    /// use edof_core::Noise;
+    /// assert_eq!(Noise::sensor(1.0).of_share(2), Some(Noise::sensor(2.0)));
+    /// ```
+    #[must_use]
+    pub fn of_share(self, exposures: usize) -> Option<Self> {
+        match self {
+            Self::Sensor(sensor) => {
+                Some(Self::Sensor(SensorNoise { gain: sensor.gain * exposures as f64, ..sensor }))
+            }
+            Self::Gaussian { .. } if exposures > 1 => None,
+            same => Some(same),
+        }
+    }
+
     /// # Errors
     /// [`NoiseError::Value`] for the first number out of range.
     pub fn check(self) -> Result<(), NoiseError> {
@@ -295,6 +313,21 @@ mod tests {
             let expected = (electrons + read_noise_e.powi(2)) / (full_well_e / gain).powi(2);
             prop_assert!((noise.variance(v) - expected).abs() <= 1e-12 * expected);
             prop_assert_eq!(noise.to_string().parse::<Noise>().unwrap(), noise);
+        }
+
+        #[test]
+        fn exposures_that_share_the_time_have_the_photons_of_one_and_are_each_read(
+            v in 0.0f64..1.0, full_well_e in 100.0f64..1e5, read_noise_e in 0.0f64..50.0, gain in 1.0f64..16.0, exposures in 1usize..5
+        ) {
+            let whole = SensorNoise { full_well_e, read_noise_e, gain };
+            let share = Noise::Sensor(whole).of_share(exposures).unwrap();
+            let mean = share.variance(v) / exposures as f64;
+            let electrons = whole.full_scale_e();
+            let expected = (v * electrons + exposures as f64 * read_noise_e.powi(2)) / electrons.powi(2);
+            prop_assert!((mean - expected).abs() <= 1e-12 * expected);
+            prop_assert_eq!(Noise::None.of_share(exposures), Some(Noise::None));
+            let gaussian = Noise::gaussian(v);
+            prop_assert_eq!(gaussian.of_share(exposures), (exposures == 1 || v == 0.0).then_some(gaussian));
         }
     }
 }

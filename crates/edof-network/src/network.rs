@@ -79,7 +79,10 @@ pub enum NetworkError {
     #[error("exposures {0}: must be 1 to {MAX_EXPOSURES}")]
     Exposures(usize),
     /// Several raw frames where only one is taken.
-    #[error("exposures {0}: must be 1 here; only the float network on the CPU takes several raw frames")]
+    #[error(
+        "exposures {0}: must be 1 here; a network of several raw frames is computed in floating point on the CPU alone, by 'edof reconstruct' \
+         with all raw frames of a scene"
+    )]
     Several(usize),
     /// Foci that are not one for each exposure.
     #[error("further_foci: {found} given, a form of exposures {exposures} has {}", exposures - 1)]

@@ -46,6 +46,9 @@ pub enum WeightFileError {
     /// A float file where a fixed one was expected, or the other way round.
     #[error("{path}: holds a {found} network, expected a {expected} one", path = path.display())]
     Kind { path: PathBuf, found: &'static str, expected: &'static str },
+    /// A float network of several exposures, of which no fixed network can be made.
+    #[error("{path}: {source}", path = path.display())]
+    Exposures { path: PathBuf, source: NetworkError },
     /// Changed after the file was made: a tensor, a format, or its record of origin.
     #[error("{path}: has SHA-256 {found}, it states {stated}: it was changed after it was made", path = path.display())]
     Hash { path: PathBuf, found: String, stated: String },
@@ -197,6 +200,8 @@ pub fn load_fixed(path: &Path) -> Result<FixedNetwork, WeightFileError> {
 pub fn parse_fixed(bytes: Vec<u8>, path: &Path) -> Result<FixedNetwork, WeightFileError> {
     let file = Loaded::parse(bytes, path)?;
     let Some(fixed) = file.metadata.fixed.clone() else {
+        let single = file.metadata.form.check_single();
+        single.map_err(|source| WeightFileError::Exposures { path: path.to_owned(), source })?;
         return Err(WeightFileError::Kind { path: path.to_owned(), found: "float", expected: "fixed" });
     };
     if (fixed.output_fraction, fixed.chroma_gain) != (OUTPUT_FRACTION, CHROMA_GAIN) {

@@ -14,6 +14,7 @@ use crate::metrics::BORDER;
 use crate::report::picture::Encoded;
 use crate::setup::Setup;
 use crate::trial::{Measured, Trial, TrialError, sensor};
+use edof_core::camera::Camera;
 use edof_core::storage::digest::sha256;
 use edof_core::storage::provenance::Input;
 use edof_core::{Noise, Tone};
@@ -123,7 +124,8 @@ pub struct Kodak<'a> {
 /// Kernels and methods of one depth behind one camera.
 struct Depth<'a> {
     at: (usize, usize),
-    psfs: [Psf; 3],
+    /// Of each exposure.
+    kernels: Vec<[Psf; 3]>,
     ready: Ready<'a>,
 }
 
@@ -140,10 +142,11 @@ impl<'a> Kodak<'a> {
             Some(depth) => depth,
             None => {
                 let Plan { setups, conditions } = self.plan;
-                let (Setup { camera, methods }, psi_value) = (&setups[setup], conditions.psi[psi]);
-                let psfs = channel_psfs(camera, psi_value, &conditions.optics)?;
-                let ready = Ready::new(camera, methods, psi_value, conditions.optics);
-                Depth { at: (setup, psi), psfs, ready }
+                let (own, psi_value) = (&setups[setup], conditions.psi[psi]);
+                let of = |camera: &Camera| channel_psfs(camera, psi_value, &conditions.optics);
+                let kernels = own.cameras().iter().map(of).collect::<Result<_, _>>()?;
+                let ready = Ready::new(&own.camera, &own.methods, psi_value, conditions.optics);
+                Depth { at: (setup, psi), kernels, ready }
             }
         };
         Ok(self.depth.insert(depth))
@@ -160,14 +163,16 @@ impl Experiment for Kodak<'_> {
         let hashes: Vec<String> =
             self.photos.iter().map(|p| Input::photograph(&p.name, &p.frame).sha256).collect();
         let (mut cells, mut first) = (vec![], 0);
-        for (setup, Setup { camera, methods }) in self.plan.setups.iter().enumerate() {
-            let camera_sha256 = sha256(camera.to_json().as_bytes());
+        for (setup, own) in self.plan.setups.iter().enumerate() {
+            let Setup { camera, methods, .. } = own;
+            let cameras: String = own.cameras().iter().map(Camera::to_json).collect();
+            let (camera_sha256, levels) = (sha256(cameras.as_bytes()), own.levels(levels));
             let depths = depths.iter().enumerate();
             let places =
                 depths.flat_map(|depth| self.photos.iter().enumerate().map(move |photo| (depth, photo)));
             let places = places.flat_map(|place| levels.iter().enumerate().map(move |noise| (place, noise)));
-            for (((psi, &depth), (photo, of)), (noise, &level)) in places {
-                let sensor = sensor(&of.name, depth, level);
+            for (((psi, &depth), (photo, of)), (noise, &(level, share))) in places {
+                let sensor = sensor(&of.name, depth, share);
                 for (method, spec) in methods.iter().enumerate() {
                     let subject = Subject {
                         camera: camera.name.clone(),
@@ -201,16 +206,17 @@ impl Experiment for Kodak<'_> {
     fn measure(&mut self, cells: &[(Cell, Proof)]) -> Result<Vec<Row>, TrialError> {
         let Cell { setup, psi, photo, .. } = cells[0].0;
         let conditions = &self.plan.conditions;
-        let (camera, photo) = (&self.plan.setups[setup].camera, &self.photos[photo]);
-        let trial = Trial::new(camera, photo, conditions.psi[psi], conditions.tone);
-        let Depth { psfs, ready, .. } = self.depth(setup, psi)?;
-        let shots = trial.shots(psfs, &conditions.noise)?;
+        let (own, photo) = (&self.plan.setups[setup], &self.photos[photo]);
+        let trial = Trial::new(&own.camera, photo, conditions.psi[psi], conditions.tone);
+        let (levels, shares): (Vec<Noise>, Vec<Noise>) = own.levels(&conditions.noise).into_iter().unzip();
+        let Depth { kernels, ready, .. } = self.depth(setup, psi)?;
+        let shots = trial.exposures(kernels, &shares)?;
         let mut done = vec![];
         for (cell, proof) in cells {
-            let (noise, raw) = &shots[cell.noise];
-            let method = ready.method(*noise, cell.method)?.reconstructor;
+            let (noise, raws) = (&levels[cell.noise], shots[cell.noise].iter().collect::<Vec<_>>());
+            let method = ready.method(shares[cell.noise], cell.method)?.reconstructor;
             let result = method
-                .reconstruct(raw)
+                .reconstruct_exposures(&raws)
                 .map_err(|source| TrialError::Reconstruct { image: trial.image(), source })?;
             done.push((*noise, ready.identity(cell.method), result, cell.place, proof.clone()));
         }

@@ -118,27 +118,26 @@ impl<'a> Trial<'a> {
     /// # Errors
     /// [`TrialError::Sensor`].
     pub fn shots(&self, psfs: &[Psf; 3], noise: &[Noise]) -> Result<Vec<(Noise, RawFrame)>, TrialError> {
-        self.shots_of(0, psfs, noise)
+        let shots = self.exposures(std::slice::from_ref(psfs), noise)?.into_iter().flatten();
+        Ok(noise.iter().copied().zip(shots).collect())
     }
 
-    /// What the sensor gives in the exposure of this number, 0 first; each has noise of its own.
+    /// What the sensor gives in each exposure at each noise level. An exposure has the kernels of its focus, and noise of its own.
     ///
     /// # Errors
     /// [`TrialError::Sensor`].
-    pub fn shots_of(
-        &self,
-        exposure: usize,
-        psfs: &[Psf; 3],
-        noise: &[Noise],
-    ) -> Result<Vec<(Noise, RawFrame)>, TrialError> {
-        let blurred = blur_frame(&self.light, psfs);
-        let sensor = |noise| {
+    pub fn exposures(&self, kernels: &[[Psf; 3]], noise: &[Noise]) -> Result<Vec<Vec<RawFrame>>, TrialError> {
+        let blurred: Vec<ColourFrame> = kernels.iter().map(|psfs| blur_frame(&self.light, psfs)).collect();
+        let scene = |&noise: &Noise| -> Result<Vec<RawFrame>, SensorError> {
             let first = sensor(&self.photo.name, self.psi, noise);
-            Sensor { seed: first.seed.wrapping_add(exposure as u64), ..first }
+            let of = |(exposure, light)| {
+                expose(light, &Sensor { seed: first.seed.wrapping_add(exposure), ..first.clone() })
+            };
+            (0..).zip(&blurred).map(of).collect()
         };
         noise
             .par_iter()
-            .map(|&noise| Ok((noise, expose(&blurred, &sensor(noise))?)))
+            .map(scene)
             .collect::<Result<_, _>>()
             .map_err(|source| TrialError::Sensor { image: self.image(), source })
     }

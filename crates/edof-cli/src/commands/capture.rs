@@ -5,6 +5,7 @@ use crate::commands::scene::Drawing;
 use crate::error::Error;
 use crate::files::Files;
 use crate::lens::{self, Depth, DepthRange, Lens};
+use crate::limits::all_within;
 use crate::pictures;
 use crate::psf_bank::{self, BankOptions};
 use crate::said;
@@ -15,7 +16,7 @@ use edof::job::{
 };
 use edof_core::camera::Camera;
 use edof_core::frame::FrameError;
-use edof_core::words::count;
+use edof_core::words::{count, number};
 use edof_core::{CfaPhase, Noise, Tone};
 use edof_io::raw;
 use edof_io::record;
@@ -26,6 +27,7 @@ use edof_optics::draw::parse_name;
 use edof_optics::layers;
 use edof_optics::psf::Settings;
 use edof_optics::{Sensor, SensorError};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Simulate the raw Bayer frame that a camera gives of a photograph or a built-in scene
@@ -89,6 +91,12 @@ pub struct Args {
     /// Largest number of layers that the photograph is cut into
     #[arg(long, default_value_t = layers::USUAL, value_name = "N")]
     layers: usize,
+
+    /// Focus in ψ of each exposure, in place of the camera's: 2,6 takes two raw frames of the static scene, OUT-1 and OUT-2, each with half of
+    /// the time, so with half of the electrons of --noise, and read noise of its own. A network of 'edof train --focus' makes one
+    /// picture of them [default: one exposure, the camera's focus]
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
+    focus: Vec<f64>,
 
     /// Bits per pixel of the sensor, 8 to 16
     #[arg(long = "bit-depth", alias = "depth", default_value_t = 12, value_name = "BITS")]
@@ -170,6 +178,7 @@ Examples:
   edof capture photo.jpg --depth-map millimetres.png --map-unit mm --nominal 3 --out raw.png
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png
   edof capture scene.json --out raw.png
+  edof capture photo.png --psi 3 --camera clear-mid --focus 2,6 --noise sensor --out o.png   writes o-1.png and o-2.png
   edof capture photo.png --psf-bank lens.npz --psi 4 --out raw.png
   edof capture chart-4 --noise sensor:gain=8 --out raw.pgm --sharp sharp.png
   edof capture photo.png --out raw.png --video frame.2vuy
@@ -180,22 +189,52 @@ Examples:
 /// # Errors
 /// A photograph that cannot be read or has an odd side, depths or a sensor that cannot be, a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let job = args.job(ui)?;
-    let progress = ui.progress(1, "capture");
-    let step = |done: usize, of: usize, next: &str| {
-        progress.message(next);
-        progress.of(done as u64, of as u64);
-    };
-    let captured = job.run(&|note| ui.note(pictures::in_words(&note)), step).map_err(|e| args.failed(e))?;
-    progress.finish();
-    captured.inputs.iter().for_each(|input| ui.used(input.clone()));
-    tell(&captured, &job.camera, ui)?;
-    advice::note(&job.camera, job.sensor.noise, ui);
-    psf_bank::remark(&job.camera, ui);
-    ui.json(&captured)
+    let jobs = args.jobs(ui)?;
+    let shots = jobs.iter().map(|job| args.shot(job, ui)).collect::<Result<Vec<_>, _>>()?;
+    if let [job] = &jobs[..] {
+        // A second exposure is no question of the lens.
+        advice::note(&job.camera, job.sensor.noise, ui);
+    }
+    psf_bank::remark(&jobs[0].camera, ui);
+    match &shots[..] {
+        [one] => ui.json(one),
+        all => ui.json(&json!({ "frames": all })),
+    }
 }
 
 impl Args {
+    /// Takes a raw frame.
+    fn shot(&self, job: &CaptureJob, ui: &Ui) -> Result<Captured, Error> {
+        let progress = ui.progress(1, "capture");
+        let step = |done: usize, of: usize, next: &str| {
+            progress.message(next);
+            progress.of(done as u64, of as u64);
+        };
+        // The scene is the same one in each exposure.
+        let is_first = job.exposure.is_none_or(|exposure| exposure.number == 1);
+        let note = |note| {
+            if is_first {
+                ui.note(pictures::in_words(&note));
+            }
+        };
+        let captured = job.run(&note, step).map_err(|e| self.failed(e))?;
+        progress.finish();
+        captured.inputs.iter().for_each(|input| ui.used(input.clone()));
+        tell(&captured, &job.camera, ui)?;
+        Ok(captured)
+    }
+
+    /// A job for each exposure.
+    fn jobs(&self, ui: &Ui) -> Result<Vec<CaptureJob>, Error> {
+        all_within("--focus", &self.focus, -100.0, 100.0)?;
+        let job = self.job(ui)?;
+        if self.focus.is_empty() {
+            return Ok(vec![job]);
+        }
+        let given: Vec<String> = self.focus.iter().map(|psi| number(*psi)).collect();
+        job.exposures(&self.focus).map_err(|e| Error::message(format!("--focus {}: {e}", given.join(","))))
+    }
+
     /// The job of these options, checked; nothing is read of it but the camera and a list of layers.
     fn job(&self, ui: &Ui) -> Result<CaptureJob, Error> {
         raw::writer(&self.out)?;
@@ -205,19 +244,25 @@ impl Args {
         self.files(listed.as_ref(), files, ui)?.check()?;
         Ok(CaptureJob {
             sensor: self.sensor()?,
+            exposure: None,
             scene: listed.map_or_else(|| self.scene(&camera), |listed| Ok(SceneSource::Listed(listed)))?,
             approximation: self.approximation()?,
             camera,
             tone: self.tone,
             is_measured: self.measure && !self.exact && !self.no_measure,
-            outputs: CaptureOutputs {
-                raw: self.out.clone(),
-                video: self.video_output(),
-                sharp: self.sharp.clone(),
-                light: self.light.clone(),
-            },
+            outputs: self.outputs(),
             provenance: ui.provenance().for_file(),
         })
+    }
+
+    /// Files of one exposure, or those of which each exposure has its own.
+    fn outputs(&self) -> CaptureOutputs {
+        CaptureOutputs {
+            raw: self.out.clone(),
+            video: self.video_output(),
+            sharp: self.sharp.clone(),
+            light: self.light.clone(),
+        }
     }
 
     fn video_output(&self) -> Option<VideoOutput> {
@@ -320,13 +365,18 @@ impl Args {
             .reads_all(listed.into_iter().flat_map(ListedScene::files))
             .reads_all(&self.depth_map)
             .reads_all(&self.grey)
-            .reads_all(lens)
-            .writes("--out", &self.out);
-        files = files.writes("the record beside --out", record::path_of(&self.out));
+            .reads_all(lens);
+        let of = self.focus.len().max(1);
+        let exposures: Vec<_> = (1..=of).map(|number| self.outputs().of_exposure(number, of)).collect();
+        for CaptureOutputs { raw, .. } in &exposures {
+            files = files.writes("--out", raw).writes("the record beside --out", record::path_of(raw));
+        }
         files = files
             .may_write("--video", self.video.as_ref())
             .may_write("the record beside --video", self.video.as_deref().map(record::path_of));
-        for (option, file) in [("--sharp", &self.sharp), ("--light", &self.light)] {
+        for (option, file) in
+            exposures.iter().flat_map(|own| [("--sharp", &own.sharp), ("--light", &own.light)])
+        {
             if let Some(file) = file {
                 files = files.writes_picture(option, file)?;
             }
@@ -375,6 +425,9 @@ impl Args {
 
 fn tell(captured: &Captured, camera: &Camera, ui: &Ui) -> Result<(), Error> {
     let Captured { scene, width, height, seconds, .. } = captured;
+    if let Some(exposure) = captured.exposure {
+        ui.say(format!("{}: {exposure}, focus at psi {}", captured.out, number(camera.focus_psi)))?;
+    }
     let depths = count(captured.depths.len(), "depth");
     ui.say(format!("{scene}: {width}x{height}, {depths}, {seconds:.2} s"))?;
     for depth in &captured.depths {

@@ -144,9 +144,10 @@ fn fixed(name: &str) -> Result<Option<Fixed>, Error> {
 fn of_kind<T>(found: Result<T, PresetError>) -> Result<Option<T>, Error> {
     match found {
         Ok(network) => Ok(Some(network)),
-        Err(PresetError::WeightFile(error)) if !matches!(error, WeightFileError::Kind { .. }) => {
-            Err(error.into())
+        Err(PresetError::WeightFile(WeightFileError::Kind { .. } | WeightFileError::Exposures { .. })) => {
+            Ok(None)
         }
+        Err(PresetError::WeightFile(error)) => Err(error.into()),
         Err(_) => Ok(None),
     }
 }
@@ -203,6 +204,10 @@ fn tell_origin(origin: &Origin, ui: &Ui) -> Result<(), Error> {
     ui.say(format!("{}: trained for the camera {}, psi {low} to {high}", origin.name, camera.name))?;
     for condition in &origin.conditions {
         ui.say(format!("  light: {}, noise {}", condition.tone, condition.noise_in_words()))?;
+    }
+    if !origin.further_foci.is_empty() {
+        let foci: Vec<String> = origin.cameras().iter().map(|camera| camera.focus_psi.to_string()).collect();
+        ui.say(format!("  takes {} raw frames of a scene, at foci {}", foci.len(), foci.join(", ")))?;
     }
     if origin.values == Tone::Srgb {
         ui.say("  takes and gives light encoded as sRGB")?;

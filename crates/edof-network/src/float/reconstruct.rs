@@ -243,6 +243,7 @@ mod tests {
     use edof_core::camera::Camera;
     use edof_core::{CfaPhase, Tone, Window};
     use ndarray::{Array1, Axis, concatenate};
+    use proptest::prelude::*;
 
     /// A network without codes whose linear path takes each output's colour from the nearest site of that colour.
     fn nearest_site_network(window: usize) -> Network {
@@ -347,6 +348,47 @@ mod tests {
                 // Frames that are swapped are seen.
                 assert_eq!(picture([&frames[1], &frames[0]]), alone[1 - exposure], "{output:?}");
             }
+        }
+    }
+
+    /// A network with random weights, and the same of two exposures with half of each weight for either.
+    fn random_and_halved(seed: u64) -> [Network; 2] {
+        let mut state = seed;
+        let mut weight = |_| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 40) as f32 / (1 << 24) as f32 - 0.5
+        };
+        let mut network = nearest_site_network(8);
+        network.analysis = network.analysis.mapv(&mut weight);
+        network.dictionary = network.dictionary.mapv(&mut weight);
+        network.linear_path = network.linear_path.map(|r| r.mapv(&mut weight));
+        let halved = |matrix: &Array2<f32>| 0.5 * concatenate![Axis(1), *matrix, *matrix];
+        let mut double = network.clone();
+        double.analysis = halved(&network.analysis);
+        double.linear_path = network.linear_path.as_ref().map(halved);
+        double.form.exposures = 2;
+        double.origin.further_foci = vec![double.origin.camera.focus_psi];
+        [network, double]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(16))]
+
+        #[test]
+        fn a_network_that_weighs_both_exposures_alike_makes_of_one_frame_twice_what_its_whole_makes_of_it(
+            seed in any::<u64>(), phase in 0usize..4, (a, b) in (1u16..5000, 1u16..5000)
+        ) {
+            let codes = Array2::from_shape_fn((16, 24), |(r, c)| (r as u16).wrapping_mul(a) ^ (c as u16).wrapping_mul(b));
+            let raw = RawFrame::from_values(codes, 16, CfaPhase::ALL[phase]).unwrap();
+            let other = RawFrame::from_values(raw.values().mapv(|v| v / 3), 16, raw.phase()).unwrap();
+            let [single, double] = random_and_halved(seed).map(|network| of(network, Output::Rgb));
+            let alike = |a: &ColourFrame, b: &ColourFrame| {
+                a.planes.iter().zip(&b.planes).all(|(a, b)| (a - b).abs() < 1e-4)
+            };
+            let both = |a, b| double.reconstruct_exposures(&[a, b]).unwrap().frame;
+            prop_assert!(alike(&both(&raw, &raw), &single.reconstruct(&raw).unwrap().frame));
+            prop_assert!(alike(&both(&raw, &other), &both(&other, &raw)));
+            prop_assert!(!alike(&both(&raw, &other), &both(&raw, &raw)));
         }
     }
 

@@ -50,12 +50,7 @@ fn a_network_comes_back_and_the_same_network_gives_the_same_bytes() {
 
 #[test]
 fn a_network_of_two_exposures_comes_back_and_others_say_nothing_of_exposures() {
-    let (_dir, path, network) = saved(|network| {
-        network.form.exposures = 2;
-        network.origin.further_foci = vec![6.0];
-        network.analysis = Array2::ones((4, 128));
-        network.linear_path = Some(Array2::ones((192, 128)));
-    });
+    let (_dir, path, network) = saved(two_exposures);
     assert_eq!(load_network(&path).unwrap(), network);
     let cameras = network.origin.cameras();
     assert_eq!(cameras[0], network.origin.camera);
@@ -75,10 +70,23 @@ fn a_network_of_two_exposures_comes_back_and_others_say_nothing_of_exposures() {
 fn integers_have_one_exposure() {
     let mut fixed = small_fixed();
     fixed.form.exposures = 2;
-    assert_eq!(
-        fixed.check().unwrap_err().to_string(),
-        "exposures 2: must be 1 here; only the float network on the CPU takes several raw frames"
+    let why = "exposures 2: must be 1 here; a network of several raw frames is computed in floating point on the CPU alone, by 'edof \
+               reconstruct' with all raw frames of a scene";
+    assert_eq!(fixed.check().unwrap_err().to_string(), why);
+    let (_dir, path, _) = saved(two_exposures);
+    assert_eq!(load_fixed(&path).unwrap_err().to_string(), format!("{}: {why}", path.display()));
+    let (_dir, path, _) = saved(|_| ());
+    assert!(
+        load_fixed(&path).unwrap_err().to_string().ends_with("holds a float network, expected a fixed one")
     );
+}
+
+/// Makes a network take two exposures.
+fn two_exposures(network: &mut Network) {
+    network.form.exposures = 2;
+    network.origin.further_foci = vec![6.0];
+    network.analysis = Array2::ones((4, 128));
+    network.linear_path = Some(Array2::ones((192, 128)));
 }
 
 fn small_fixed() -> FixedNetwork {

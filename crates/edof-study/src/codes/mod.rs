@@ -155,7 +155,7 @@ impl Experiment for Reading<'_> {
         let plan = self.plan;
         let mut cells = vec![];
         let mut first = 0;
-        for (setup, Setup { camera, methods }) in plan.setups.iter().enumerate() {
+        for (setup, Setup { camera, methods, .. }) in plan.setups.iter().enumerate() {
             let camera_sha256 = sha256(camera.to_json().as_bytes());
             for cell in plan.cells_of(setup) {
                 let (sheet, spec) = (&plan.sheets[cell.sheet], &methods[cell.method]);
@@ -192,7 +192,7 @@ impl Experiment for Reading<'_> {
     fn measure(&mut self, cells: &[(Cell, Proof)]) -> Result<Vec<Row>, CodesError> {
         let plan = self.plan;
         let first = cells[0].0;
-        let (Setup { camera, methods }, sheet) = (&plan.setups[first.setup], &plan.sheets[first.sheet]);
+        let (Setup { camera, methods, .. }, sheet) = (&plan.setups[first.setup], &plan.sheets[first.sheet]);
         let (psi, _) = plan.seen(&first);
         let trial = Trial::new(camera, &sheet.photo, psi, Tone::Linear);
         let psfs = channel_psfs(camera, psi, &plan.optics).map_err(TrialError::Psf)?;

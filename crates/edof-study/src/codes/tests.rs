@@ -7,8 +7,10 @@ use edof_core::Camera;
 use std::ops::ControlFlow;
 
 fn plan(cameras: Vec<Camera>, psi: Vec<f64>, noise: Vec<Noise>) -> Plan {
-    let setups =
-        cameras.into_iter().map(|camera| Setup { camera, methods: vec![MethodSpec::Malvar] }).collect();
+    let setups = cameras
+        .into_iter()
+        .map(|camera| Setup { camera, further_foci: vec![], methods: vec![MethodSpec::Malvar] })
+        .collect();
     let sheets = Symbology::ALL.map(|kind| Sheet::new(kind, 3.0, 4, 5).unwrap());
     let (readers, optics) = (vec![Reader::Rxing], Settings::default());
     Plan { setups, sheets: sheets.into(), psi, noise, readers, optics }

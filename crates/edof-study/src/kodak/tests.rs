@@ -1,14 +1,17 @@
 use super::*;
 use crate::experiment::{RunError, run};
 use crate::journal::{Header, Journal, Program, Shard};
+use crate::lens_networks::tests::copying;
 use crate::methods::spec::MethodSpec;
 use crate::metrics::shown;
-use edof_core::ColourFrame;
+use crate::setup::setups;
 use edof_core::camera::Camera;
+use edof_core::{ColourFrame, Stride};
 use std::ops::ControlFlow;
 
 fn setup(camera: &str) -> Setup {
-    Setup { camera: Camera::resolve(camera).unwrap(), methods: vec![MethodSpec::Malvar] }
+    let camera = Camera::resolve(camera).unwrap();
+    Setup { camera, further_foci: vec![], methods: vec![MethodSpec::Malvar] }
 }
 
 fn photo(name: &str) -> Photo {
@@ -176,4 +179,35 @@ fn a_photo_too_small_to_measure_is_named() {
     let small = Photo { name: "tiny".into(), frame: ColourFrame::zeros(20, 20) };
     let error = go("clear", &[small], conditions(&[0.0], &[0.0])).unwrap_err();
     assert!(error.to_string().starts_with("tiny: frame of 20x20 pixels: must be at least 27x27"), "{error}");
+}
+
+#[test]
+fn a_network_of_two_exposures_is_a_method_like_the_others() {
+    let entry = |foci: &[f64], exposure, seed| copying(foci, exposure, seed).entry(Stride::PATCH);
+    // One looks at each exposure of two, the others see that focus alone.
+    let nets =
+        vec![entry(&[2.0, 6.0], 0, 1), entry(&[2.0, 6.0], 1, 2), entry(&[2.0], 0, 3), entry(&[6.0], 0, 4)];
+    let noise = vec![Noise::None, Noise::gaussian(0.01), Noise::sensor(2.0), Noise::sensor(4.0)];
+    let conditions = Conditions { noise, tone: Tone::Srgb, ..conditions(&[2.0, 6.0], &[]) };
+    let plan = Plan { setups: setups(nets).unwrap(), conditions };
+    let (photos, mut journal) = ([photo("p")], journal());
+    run(&mut Kodak::new(&plan, &photos), Shard::WHOLE, &mut journal, |_| ControlFlow::Continue(())).unwrap();
+    let rows: Vec<Measured> = journal.rows().into_iter().map(|row| row.measured).collect();
+    let found = |net: &str, noise: Noise, psi: f64| {
+        let mut own = rows.iter().filter(|r| (r.method.as_str(), r.noise, r.psi) == (net, noise, psi));
+        own.next().map(|row| row.picture.psnr_db())
+    };
+    for psi in [2.0, 6.0] {
+        let db = |net, noise| found(net, noise, psi).unwrap();
+        for [own, alone] in [["n1.float", "n3.float"], ["n2.float", "n4.float"]] {
+            assert_eq!(db(own, Noise::None), db(alone, Noise::None), "{own}, psi {psi}");
+            // Half of the time is twice the gain.
+            let apart = db(own, Noise::sensor(2.0)) - db(alone, Noise::sensor(4.0));
+            assert!(apart.abs() < 0.1, "{own}, psi {psi}: {apart}");
+            assert!(own == "n2.float" || apart == 0.0, "the first exposure has the noise of one frame");
+            assert_eq!(found(own, Noise::gaussian(0.01), psi), None);
+            assert!(found(alone, Noise::gaussian(0.01), psi).is_some());
+        }
+    }
+    assert!(rows.iter().any(|row| row.method == "n2.float" && row.camera.ends_with(" at foci 2, 6")));
 }

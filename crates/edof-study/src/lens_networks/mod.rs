@@ -198,13 +198,10 @@ impl Experiment for Photographing<'_> {
         let trial = Trial::new(own.camera(), &self.photos[photo], depth.own, TONE);
         let electrons = |cell: &Cell| plan.electrons[cell.light];
         let noise: Vec<Noise> = cells.iter().map(|(cell, _)| plan.noise(own, electrons(cell))).collect();
-        let exposures = self.kernels(peer, psi)?.iter().enumerate();
-        let shots: Vec<Vec<(Noise, RawFrame)>> = exposures
-            .map(|(exposure, psfs)| trial.shots_of(exposure, psfs, &noise))
-            .collect::<Result<_, _>>()?;
+        let shots = trial.exposures(self.kernels(peer, psi)?, &noise)?;
         let mut rows = vec![];
-        for (light, ((cell, proof), noise)) in cells.iter().zip(&noise).enumerate() {
-            let raws: Vec<&RawFrame> = shots.iter().map(|exposure| &exposure[light].1).collect();
+        for (((cell, proof), noise), raws) in cells.iter().zip(&noise).zip(&shots) {
+            let raws: Vec<&RawFrame> = raws.iter().collect();
             let case = Case { camera: own.camera(), psi: depth.own, noise: *noise, optics: plan.optics };
             let prepared: Box<dyn Reconstructor> = own.method.prepare(&case)?;
             let result = prepared
@@ -234,4 +231,4 @@ impl Experiment for Photographing<'_> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -31,7 +31,7 @@ fn net(camera: &Camera, name: &str, [low, high]: [f64; 2], seed: u64) -> Net {
 }
 
 /// A network of exposures at these foci of the clear lens, that copies the nearest pixels of one of them, for gains from 1 to 20.
-fn copying(foci: &[f64], exposure: usize, seed: u64) -> Net {
+pub(crate) fn copying(foci: &[f64], exposure: usize, seed: u64) -> Net {
     let lens = Camera { focus_psi: foci[0], ..clear() };
     let mut net = net(&lens, &format!("n{seed}"), [0.0, 8.0], seed);
     let float = &mut net.float;

@@ -6,6 +6,7 @@ use edof_core::Stride;
 use edof_core::camera::Camera;
 use edof_core::overlap::Overlap;
 use edof_network::float::reconstruct::Output;
+use edof_network::network::Origin;
 use edof_network::{FixedNetwork, Network};
 use std::sync::Arc;
 
@@ -27,8 +28,10 @@ pub struct Net {
 pub struct Entry {
     /// Name in reports.
     pub name: String,
-    /// The camera that it was trained for.
+    /// The camera that it was trained for; of several exposures, that of the first, its name with all foci.
     pub camera: Camera,
+    /// Foci in ψ of the exposures after the first.
+    pub further_foci: Vec<f64>,
     /// The network in every format that it has.
     pub methods: Vec<MethodSpec>,
 }
@@ -66,7 +69,7 @@ impl Net {
     #[must_use]
     pub fn entry(self, stride: Stride) -> Entry {
         let Self { name, mut float, float_sha256, fixed } = self;
-        let camera = float.origin.camera.clone();
+        let (camera, further_foci) = (camera(&float.origin), float.origin.further_foci.clone());
         float.origin.name.clone_from(&name);
         let network = Arc::new(float);
         let overlap = fixed.as_ref().map_or_else(Overlap::default, |(fixed, _)| fixed.overlap);
@@ -81,7 +84,17 @@ impl Net {
             name: name.clone(),
             sha256,
         }));
-        Entry { name, camera, methods }
+        Entry { name, camera, further_foci, methods }
+    }
+}
+
+/// The camera of a network, in whose name tables state the foci where there are several.
+pub(super) fn camera(origin: &Origin) -> Camera {
+    let foci: Vec<String> = origin.cameras().iter().map(|camera| camera.focus_psi.to_string()).collect();
+    let camera = origin.camera.clone();
+    match foci.len() {
+        1 => camera,
+        _ => Camera { name: format!("{} at foci {}", camera.name, foci.join(", ")), ..camera },
     }
 }
 

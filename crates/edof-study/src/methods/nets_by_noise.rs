@@ -1,7 +1,7 @@
 //! Several trained networks as one method by noise ([`crate::methods::by_noise`]), in every format that all of them have.
 
 use crate::methods::by_noise::ByNoise;
-use crate::methods::nets::{Entry, Net};
+use crate::methods::nets::{self, Entry, Net};
 use crate::methods::spec::MethodSpec;
 use edof_core::Stride;
 use edof_network::network::Origin;
@@ -37,7 +37,7 @@ pub fn entry(nets: Vec<Net>, stride: Stride) -> Result<Entry, ByNoiseError> {
     let each: Vec<(Origin, Vec<MethodSpec>)> =
         nets.into_iter().map(|net| (net.float.origin.clone(), net.entry(stride).methods)).collect();
     let Some(((first, _), _)) = each.split_first() else { return Err(ByNoiseError::None) };
-    let camera = first.camera.clone();
+    let (camera, further_foci) = (nets::camera(first), first.further_foci.clone());
     let formats = each.iter().map(|(_, methods)| methods.len()).min().unwrap_or(0);
     let in_format = |format: usize| {
         let mut networks = each.iter().map(|(origin, methods)| (origin.clone(), methods[format].clone()));
@@ -48,7 +48,8 @@ pub fn entry(nets: Vec<Net>, stride: Stride) -> Result<Entry, ByNoiseError> {
         let hashes: Vec<&str> = hashes.iter().map(String::as_str).collect();
         Some(MethodSpec::ByNoise(Box::new(ByNoise::new(name.clone(), first, others, &hashes))))
     };
-    Ok(Entry { name: name.clone(), camera, methods: (0..formats).filter_map(in_format).collect() })
+    let methods = (0..formats).filter_map(in_format).collect();
+    Ok(Entry { name: name.clone(), camera, further_foci, methods })
 }
 
 /// Whether networks can stand for one another: one lens, one form, one tone, one stride and format of words.
@@ -65,6 +66,7 @@ fn check(nets: &[Net]) -> Result<(), ByNoiseError> {
         }
         let differs = [
             (net.float.origin.camera != first.float.origin.camera, "camera"),
+            (net.float.origin.further_foci != first.float.origin.further_foci, "foci"),
             (net.float.form != first.float.form, "architecture"),
             (tones(net) != tones(first), "tone"),
             (words(net).zip(words(first)).is_some_and(|(own, other)| own != other), "fixed-point format"),

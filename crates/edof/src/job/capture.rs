@@ -16,7 +16,7 @@ use edof_golden::video::greys::Greys;
 use edof_io::levels::{Black, Levels};
 use edof_io::photo;
 use edof_io::raw::{self, Alignment, Size};
-use edof_io::record::{self, RawRecord};
+use edof_io::record::{self, Exposure, RawRecord};
 use edof_optics::Scene;
 use edof_optics::Sensor;
 use edof_optics::capture::{
@@ -48,6 +48,7 @@ use std::path::{Path, PathBuf};
 ///     camera: lens::resolve("ring-outer", None)?.camera,
 ///     tone: None,
 ///     sensor: Sensor::default(),
+///     exposure: None,
 ///     approximation: Approximation::default(),
 ///     is_measured: false,
 ///     outputs: CaptureOutputs::raw(raw.clone()),
@@ -68,6 +69,8 @@ pub struct CaptureJob {
     pub tone: Option<Tone>,
     /// The sensor.
     pub sensor: Sensor,
+    /// Place among exposures that share the exposure time; [`CaptureJob::exposures`] makes them.
+    pub exposure: Option<Exposure>,
     /// What is approximated.
     pub approximation: Approximation,
     /// Whether each approximation is compared with an exact computation.
@@ -177,6 +180,9 @@ pub struct Captured {
     pub tone: Tone,
     /// The sensor's noise.
     pub noise: Noise,
+    /// Place among exposures that share the exposure time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exposure: Option<Exposure>,
     /// Depths that were computed.
     pub depths: Vec<Depth>,
     /// Wall-clock seconds for PSFs and blur.
@@ -228,6 +234,7 @@ impl CaptureJob {
             psi,
             tone,
             noise: self.sensor.noise,
+            exposure: self.exposure,
             depths: shot.depths,
             seconds: shot.seconds,
             approximations,
@@ -327,6 +334,7 @@ impl CaptureJob {
             tone,
             values: Tone::Linear,
             noise: self.sensor.noise,
+            exposure: self.exposure,
             sha256: Input::raw_frame(&scene.name, frame).sha256,
             provenance,
         }
@@ -357,9 +365,9 @@ fn save_video(
     frame: &RawFrame,
 ) -> Result<(), JobError> {
     let levels = Levels { black: record.black_level, white: record.white_level };
-    let light = levels.light(frame)?;
-    let words = light.encoded(video.values);
     let (path, values) = (&video.path, video.values);
+    let light = levels.light(frame).map_err(|source| JobError::Levels { path: path.clone(), source })?;
+    let words = light.encoded(values);
     let sent = greys.map_or_else(|| cable::carried(&words), |_| grey::carried(&words));
     match greys {
         None => raw::save_video(path, &sent)?,

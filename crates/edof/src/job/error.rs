@@ -10,7 +10,7 @@ use edof_gpu::GpuError;
 use edof_io::levels::LevelsError;
 use edof_io::photo::PhotoError;
 use edof_io::raw::{RawError, Size};
-use edof_io::record::{Contradiction, Field, RecordError};
+use edof_io::record::{Contradiction, Exposure, Field, RecordError};
 use edof_io::sensor::file::SensorFileError;
 use edof_io::sensor::list::ListError;
 use edof_io::sensor::measure::MeasureError;
@@ -35,8 +35,8 @@ pub enum JobError {
     #[error(transparent)]
     Record(#[from] RecordError),
     /// Levels of a raw frame.
-    #[error(transparent)]
-    Levels(#[from] LevelsError),
+    #[error("{path}: {source}", path = path.display())]
+    Levels { path: PathBuf, source: LevelsError },
     /// A camera or a depth before it.
     #[error(transparent)]
     Preset(#[from] PresetError),
@@ -88,6 +88,18 @@ pub enum JobError {
     /// The network was quantized for another stride.
     #[error("stride {}: the network {network} is quantized for a stride of {}", asked.pixels(), quantized.pixels())]
     OtherStride { network: String, asked: Stride, quantized: Stride },
+    /// A frame is another exposure than its place says.
+    #[error(
+        "{path}: its record states {recorded}, it is given as {given}; give all exposures of a scene in their order, to a network of as many",
+        path = path.display()
+    )]
+    OtherExposure { path: PathBuf, recorded: Exposure, given: Exposure },
+    /// Exposures of one scene that differ in more than focus and noise.
+    #[error(
+        "{path}: {field} {found}, expected {expected} as {first}; exposures of one scene differ in nothing but focus and noise",
+        path = path.display(), first = first.display()
+    )]
+    UnlikeExposures { path: PathBuf, field: &'static str, found: String, expected: String, first: PathBuf },
     /// A file that is not what it should be.
     #[error("{path}: {source}", path = path.display())]
     File { path: PathBuf, source: Box<dyn std::error::Error + Send + Sync> },

@@ -2,8 +2,8 @@
 //!
 //! | job | module |
 //! |---|---|
-//! | from a scene to a raw frame | [`CaptureJob`] |
-//! | from a raw frame to a picture | [`ReconstructJob`] |
+//! | from a scene to a raw frame, or to several exposures | [`CaptureJob`] |
+//! | from a raw frame, or the exposures of a scene, to a picture | [`ReconstructJob`] |
 //! | from a stream of raw frames to one of pictures | [`StreamJob`] |
 //! | from dark and flat frames to a correction of a sensor | [`SensorJob`] |
 //! | photographs, depth maps and listed scenes that jobs read | [`photograph`], [`DepthMap`], [`ListedScene`] |
@@ -16,6 +16,7 @@ mod capture;
 mod depth_map;
 mod device;
 mod error;
+mod exposures;
 mod greys;
 mod listed;
 pub mod memory;
@@ -30,6 +31,7 @@ pub use capture::{CaptureJob, CaptureOutputs, Captured, SceneSource, Synthetic, 
 pub use depth_map::{DepthMap, Meaning, Scale};
 pub use device::Device;
 pub use error::JobError;
+pub use exposures::ExposuresError;
 pub use greys::GreyFile;
 pub use listed::ListedScene;
 pub use note::{FrameNote, OtherLens, PictureNote};

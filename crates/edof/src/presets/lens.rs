@@ -95,9 +95,13 @@ pub fn how_to_train(camera: &Camera) -> String {
         format!(" --psf-bank {}{}", bank.file, if bank.centre { " --centre" } else { "" })
     });
     let plain = Camera { psf_bank: None, ..camera.clone() };
+    let focus_psi = camera.focus_psi;
     match Camera::resolve(&camera.name) {
         Ok(preset) if preset.same_lens(&plain) => {
             format!("train one by 'edof train --camera {}{bank}'", camera.name)
+        }
+        Ok(preset) if (Camera { focus_psi, ..preset.clone() }).same_lens(&plain) => {
+            format!("train one by 'edof train --camera {} --focus {focus_psi}'", camera.name)
         }
         _ => format!("train one by 'edof train --camera FILE' with the file of the camera {}", camera.name),
     }

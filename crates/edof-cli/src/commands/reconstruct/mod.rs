@@ -1,5 +1,6 @@
-//! `edof reconstruct`: from a raw frame to a picture.
+//! `edof reconstruct`: from a raw frame, or the exposures of a scene, to a picture.
 
+mod exposures;
 mod options;
 mod wording;
 
@@ -15,6 +16,7 @@ use edof::job::{Engine, ReconstructJob, Reconstructed, words_file};
 use edof_golden::Counts;
 use edof_io::record;
 use edof_network::fixed_network::layer_names;
+use exposures::Foci;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use wording::Wording;
@@ -25,23 +27,26 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     if ![8, 16].contains(&args.bits) {
         return Err(Error::message(format!("--bits {}: must be 8 or 16", args.bits)));
     }
-    let frames = frames(&args)?;
-    check_files(&args, &frames, ui)?;
+    let foci = Foci::of(&args)?;
+    let scenes = scenes(&args, &foci)?;
+    check_files(&args, &foci, &scenes, ui)?;
     let sensor = sensor::opened(args.sensor.as_deref(), ui)?;
-    let jobs =
-        frames.into_iter().map(|frame| args.job(frame, sensor.clone())).collect::<Result<Vec<_>, _>>()?;
+    let jobs = scenes
+        .into_iter()
+        .map(|scene| args.job(scene, &foci, sensor.clone()))
+        .collect::<Result<Vec<_>, _>>()?;
+    let words = Wording { args: &args };
     if jobs.len() > 1 {
         // An unusable frame is reported before the first is computed.
         for job in &jobs {
-            let words = Wording { args: &args, raw: &job.source.path };
-            ui.used(job.check(&|note| ui.note(words.note(note))).map_err(|e| words.failed(e))?);
+            let read = job.check(&|note| ui.note(words.note(note))).map_err(|e| words.failed(e))?;
+            read.into_iter().for_each(|input| ui.used(input));
         }
     }
     let mut reports = vec![];
     let bar = (jobs.len() > 1).then(|| ui.progress(jobs.len() as u64, "frames"));
     for job in &jobs {
         interrupt::check()?;
-        let words = Wording { args: &args, raw: &job.source.path };
         let made = job.run(&|note| ui.note(words.note(note))).map_err(|e| words.failed(e))?;
         reports.push(report(job, made, ui)?);
         bar.iter().for_each(|bar| bar.set(reports.len() as u64));
@@ -53,15 +58,16 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     }
 }
 
-/// A frame and the picture that it becomes.
-struct Frame {
-    raw: PathBuf,
+/// The raw frames of a scene, and the picture that they become.
+struct Scene {
+    raws: Vec<PathBuf>,
     out: PathBuf,
 }
 
-/// One for each frame.
-fn frames(args: &Args) -> Result<Vec<Frame>, Error> {
-    let several = args.raw.len() > 1;
+/// One for each frame, or for all exposures of a scene.
+fn scenes(args: &Args, foci: &Foci) -> Result<Vec<Scene>, Error> {
+    let scenes = foci.scenes(args)?;
+    let several = scenes.len() > 1;
     let ends_with_slash = args.out.as_os_str().as_encoded_bytes().ends_with(b"/");
     let folder = ends_with_slash || args.out.is_dir() || args.out.extension().is_none();
     if several && !folder {
@@ -86,11 +92,11 @@ fn frames(args: &Args) -> Result<Vec<Frame>, Error> {
         }
         _ => args.out.clone(),
     };
-    Ok(args.raw.iter().map(|raw| Frame { raw: raw.clone(), out: out(raw) }).collect())
+    Ok(scenes.into_iter().map(|raws| Scene { out: out(&raws[0]), raws }).collect())
 }
 
-fn check_files(args: &Args, frames: &[Frame], ui: &Ui) -> Result<(), Error> {
-    let file = if args.float { weights::float_file } else { weights::fixed_file };
+fn check_files(args: &Args, foci: &Foci, scenes: &[Scene], ui: &Ui) -> Result<(), Error> {
+    let file = if args.float || foci.are_several() { weights::float_file } else { weights::fixed_file };
     // Which network it is without --weights, the frame's record says.
     let networks: Vec<&str> = match args.weights.as_deref() {
         Some(name) => vec![name],
@@ -104,7 +110,7 @@ fn check_files(args: &Args, frames: &[Frame], ui: &Ui) -> Result<(), Error> {
         .reads_all(&args.sensor)
         .reads_all(args.raw.iter().map(|raw| record::path_of(raw)));
     let mut files = files.may_write("--words", args.words.as_deref().map(words_file));
-    for Frame { out, .. } in frames {
+    for Scene { out, .. } in scenes {
         files = files.writes_picture("--out", out)?.may_write("--board", args.codes_file(out));
     }
     files.check()
@@ -132,6 +138,10 @@ fn report(job: &ReconstructJob, made: Reconstructed, ui: &Ui) -> Result<Value, E
         "seconds_per_megapixel": per_megapixel,
         "multiplications": made.multiplications,
     });
+    if !job.further.is_empty() {
+        let further = job.further.iter().map(|source| &source.path);
+        report["exposures"] = further.map(|path| path.display().to_string()).collect();
+    }
     if let (Engine::Fixed(options), Some((counts, shown))) = (&job.engine, &made.counts) {
         report["counters"] = counters(counts);
         report["display"] = json!({

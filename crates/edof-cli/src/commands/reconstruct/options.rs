@@ -1,11 +1,13 @@
 //! Options of `edof reconstruct`.
 
-use super::Frame;
+use super::Scene;
+use super::exposures::Foci;
 use crate::error::Error;
 use crate::lens::{self, BankFile, Lens};
 use crate::said;
 use clap::ValueEnum;
 use edof::job::{Device, Engine, FixedOptions, FrameSource, ReconstructJob};
+use edof_core::camera::Camera;
 use edof_core::{CfaPhase, DisplayMode, Stride, Tone};
 use edof_golden::Curve;
 use edof_io::levels::Black;
@@ -19,6 +21,9 @@ use std::sync::Arc;
 
 /// Reconstruct a sharp picture from a raw Bayer frame, or one from each of several
 ///
+/// A network of several exposures ('edof train --focus') makes one picture of as many frames of a static scene, which
+/// 'edof capture --focus' takes; such a network is computed in floating point.
+///
 /// RAW is a 16-bit grey PNG, TIFF or PGM (values of fewer bits at the top of each word, or according to a PGM's maximum), NumPy's array of
 /// sensor values (NPY), or a headerless file with --size. RAW.json, which 'edof capture' writes, states how the frame was taken; options that
 /// contradict it are rejected. RAW may also be a camera's DNG (a Bayer mosaic, uncompressed or as lossless JPEG): its levels, defects, lens
@@ -31,6 +36,7 @@ use std::sync::Arc;
   edof reconstruct raw.png --weights edof-t4w12 --float --stride 4 --out sharp.tif
   edof reconstruct frame.bin --size 1920x1080 --bit-depth 12 --phase gbrg --out sharp.png
   edof reconstruct night/*.png --out night-sharp/
+  edof reconstruct o-1.png o-2.png --weights two.safetensors --out sharp.png   two exposures of a scene
   edof reconstruct raw.pgm --black-level 64 --white-level 4000 --white-balance 2.1,1,1.6 --out a.png
   edof reconstruct raw.png --board --out board.png     codes of the HDMI port, and a picture
   edof reconstruct --video frame.2vuy --size 1920x1080 --board --out board.png
@@ -196,55 +202,59 @@ impl Args {
         self.board.then(|| out.with_extension("yuyv"))
     }
 
-    /// The job of a frame.
-    pub(super) fn job(&self, frame: Frame, sensor: Option<Arc<Correction>>) -> Result<ReconstructJob, Error> {
-        let Self { phase, depth, size, packing, black_level, white_level, tone, .. } = *self;
-        let camera = self.stated_lens()?.map(|lens| lens.camera);
-        let alignment = self.align.as_deref();
-        let alignment = alignment.map(|a| if a == "top" { Alignment::Top } else { Alignment::Bottom });
+    /// The job of a scene.
+    pub(super) fn job(
+        &self,
+        scene: Scene,
+        foci: &Foci,
+        sensor: Option<Arc<Correction>>,
+    ) -> Result<ReconstructJob, Error> {
+        let stated = self.stated_lens()?.map(|lens| lens.camera);
+        let frames = scene.raws.into_iter().zip(foci.cameras(stated.as_ref()));
+        let mut sources = frames.map(|(raw, camera)| self.source(raw, camera, sensor.clone()));
+        let source = sources.next().unwrap_or_else(|| unreachable!("a scene has a frame"));
         let stride = self.stride.map(said::stride).transpose()?;
-        let engine = match self.float {
+        let engine = match self.float || foci.are_several() {
             true => Engine::Float(stride.unwrap_or(Stride::PATCH)),
             false => Engine::Fixed(FixedOptions {
                 stride,
                 display: self.display,
-                codes: self.codes_file(&frame.out),
+                codes: self.codes_file(&scene.out),
                 words: self.words.clone(),
             }),
         };
         Ok(ReconstructJob {
-            source: FrameSource {
-                path: frame.raw,
-                stated: Stated {
-                    phase,
-                    depth,
-                    alignment,
-                    size,
-                    packing,
-                    black_level,
-                    white_level,
-                    tone,
-                    camera,
-                },
-                options: RawOptions {
-                    phase: phase.unwrap_or_default(),
-                    depth,
-                    size,
-                    alignment,
-                    order: if self.order == "big" { ByteOrder::Big } else { ByteOrder::Little },
-                    packing: if self.video { Packing::Video } else { packing.unwrap_or_default() },
-                },
-                rendering: Rendering { white_balance: self.white_balance, matrix: self.colour_matrix },
-                overrules_record: self.force,
-                sensor,
-            },
+            source,
+            further: sources.collect(),
             network: self.weights.clone(),
             accepts_any_lens: self.force,
             engine,
             device: self.device,
             curve: self.gamma.map(Into::into),
             bits: self.bits,
-            out: frame.out,
+            out: scene.out,
         })
+    }
+
+    /// A raw frame, and what the options state of it.
+    fn source(&self, path: PathBuf, camera: Option<Camera>, sensor: Option<Arc<Correction>>) -> FrameSource {
+        let Self { phase, depth, size, packing, black_level, white_level, tone, .. } = *self;
+        let alignment = self.align.as_deref();
+        let alignment = alignment.map(|a| if a == "top" { Alignment::Top } else { Alignment::Bottom });
+        FrameSource {
+            path,
+            stated: Stated { phase, depth, alignment, size, packing, black_level, white_level, tone, camera },
+            options: RawOptions {
+                phase: phase.unwrap_or_default(),
+                depth,
+                size,
+                alignment,
+                order: if self.order == "big" { ByteOrder::Big } else { ByteOrder::Little },
+                packing: if self.video { Packing::Video } else { packing.unwrap_or_default() },
+            },
+            rendering: Rendering { white_balance: self.white_balance, matrix: self.colour_matrix },
+            overrules_record: self.force,
+            sensor,
+        }
     }
 }

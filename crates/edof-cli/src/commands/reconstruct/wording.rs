@@ -13,10 +13,9 @@ use edof_io::record::{self, Contradiction, Field, RecordError};
 use edof_network::network::Condition;
 use std::path::Path;
 
-/// Words about one frame.
+/// Words about frames.
 pub(super) struct Wording<'a> {
     pub(super) args: &'a Args,
-    pub(super) raw: &'a Path,
 }
 
 impl Wording<'_> {
@@ -24,7 +23,7 @@ impl Wording<'_> {
     pub(super) fn failed(&self, error: JobError) -> Error {
         Error::message(match error {
             JobError::Raw(error) => return self.unread(error),
-            JobError::Levels(error) => return self.level(&error),
+            JobError::Levels { path, source } => return self.level(&path, &source),
             JobError::Record(RecordError::OtherFrame { path, raw, phase, depth, alignment }) => format!(
                 "{}: describes another frame than {}; move it elsewhere if the frame was replaced, else read the frame as it says: \
                  --phase {phase} --bit-depth {depth} --align {alignment}",
@@ -68,22 +67,22 @@ impl Wording<'_> {
             (RawError::Frame { source: FrameError::Depth(_), .. }, Some(depth)) => {
                 Error::message(format!("--bit-depth {depth}: {error}"))
             }
-            (RawError::Frame { source: source @ FrameError::Depth(_), .. }, None)
-                if record::is_beside(self.raw) =>
+            (RawError::Frame { path, source: source @ FrameError::Depth(_) }, None)
+                if record::is_beside(path) =>
             {
-                self.of_record(&source.to_string())
+                of_record(path, &source.to_string())
             }
-            (RawError::NoSize { .. }, _) if self.args.video => {
-                self.of_raw("--video has no header; state its size as WIDTHxHEIGHT by --size 1920x1080, say")
+            (RawError::NoSize { path, .. }, _) if self.args.video => {
+                of_raw(path, "--video has no header; state its size as WIDTHxHEIGHT by --size 1920x1080, say")
             }
             (RawError::NoSize { .. }, _) => Error::message(format!("{error}: --size 1920x1080, say")),
-            (RawError::CameraRaw(CameraRawError::Levels { source, .. }), _) => self.level(source),
+            (RawError::CameraRaw(CameraRawError::Levels { path, source }), _) => self.level(path, source),
             _ => error.into(),
         }
     }
 
     /// Levels that cannot be, with the option that says so, if one does.
-    fn level(&self, error: &LevelsError) -> Error {
+    fn level(&self, raw: &Path, error: &LevelsError) -> Error {
         let of = |option: &str, given: bool, what: &str| {
             let text = error.to_string();
             if given { text.replacen(what, option, 1) } else { text }
@@ -99,20 +98,7 @@ impl Wording<'_> {
             }
             error => (true, error.to_string()),
         };
-        if !given && record::is_beside(self.raw) {
-            return self.of_record(&text);
-        }
-        self.of_raw(&text)
-    }
-
-    fn of_raw(&self, why: &str) -> Error {
-        Error::message(format!("{}: {why}", self.raw.display()))
-    }
-
-    /// What the record beside the frame says wrongly.
-    fn of_record(&self, why: &str) -> Error {
-        let path = record::path_of(self.raw);
-        Error::message(format!("{}: {why}; correct the file, or move it elsewhere", path.display()))
+        if !given && record::is_beside(raw) { of_record(raw, &text) } else { of_raw(raw, &text) }
     }
 
     /// The option of a field, and its value as it was given.
@@ -201,6 +187,16 @@ impl Wording<'_> {
             _ => "a dark picture, or --bit-depth and --align are not as it was taken",
         }
     }
+}
+
+fn of_raw(raw: &Path, why: &str) -> Error {
+    Error::message(format!("{}: {why}", raw.display()))
+}
+
+/// What the record beside a frame says wrongly.
+fn of_record(raw: &Path, why: &str) -> Error {
+    let path = record::path_of(raw);
+    Error::message(format!("{}: {why}; correct the file, or move it elsewhere", path.display()))
 }
 
 /// The option that states a field.

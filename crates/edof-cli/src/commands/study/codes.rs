@@ -133,7 +133,7 @@ impl Args {
         let stride = said::stride(self.stride)?;
         let mut loaded = vec![];
         for name in &self.nets {
-            let (net, notes) = nets::of_kodak(name, stride, ui)?;
+            let (net, notes) = nets::of_one_frame(name, stride, ui)?;
             notes.iter().for_each(|note| ui.note(note));
             loaded.push(net);
         }
@@ -142,7 +142,7 @@ impl Args {
             let camera = Camera::resolve(name)?;
             ui.used(camera.input());
             if !setups.iter().any(|setup| setup.camera == camera) {
-                setups.push(Setup { camera, methods: vec![MethodSpec::Malvar] });
+                setups.push(Setup { camera, further_foci: vec![], methods: vec![MethodSpec::Malvar] });
             }
         }
         for (place, Setup { camera, .. }) in setups.iter().enumerate() {

@@ -22,6 +22,8 @@ use std::path::PathBuf;
 /// With --tone srgb they are decoded to light; the picture is measured after encoding and clipping to 0…1, as a screen
 /// does, and also as light. Each network runs under both tones and makes rows NAME.float (RGB), NAME.float422 (the same
 /// in the board's 4:2:2 format) and NAME.fixed. demosaic-malvar is the coded frame as an ordinary camera would show it.
+/// A network of several exposures has rows behind its camera at all foci, which share the exposure time: each has its share of the electrons and
+/// noise of its own. Gaussian noise has no electrons to share, so such a network has no rows there.
 /// With --rows FILE rows are written when measured; the same command resumes a stopped study.
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -95,7 +97,10 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     }
     let externals = args.externals.methods()?;
     let mut setups = setups(loaded)?;
-    setups.iter_mut().for_each(|setup| setup.methods.extend(externals.iter().cloned()));
+    // Programs of others take one raw frame.
+    for setup in setups.iter_mut().filter(|setup| setup.further_foci.is_empty()) {
+        setup.methods.extend(externals.iter().cloned());
+    }
     let conditions = args.conditions(&setups)?;
     let (photos, skipped) = args.photographs.load(ui)?;
     notes.into_iter().chain(skipped).for_each(|note| ui.note(note));

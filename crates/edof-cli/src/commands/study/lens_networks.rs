@@ -92,7 +92,7 @@ impl Args {
         let clear = Camera::resolve(&self.camera)?;
         ui.used(clear.input());
         let net = |name: &String| -> Result<Net, Error> {
-            let (float, sha256) = nets::float(name, ui)?;
+            let (float, sha256) = nets::of_exposures(name, ui)?;
             let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
             Ok(Net::new(stem, float, &sha256, None, Stride::PATCH).0)
         };

@@ -79,6 +79,15 @@ pub fn of_kodak(names: &str, stride: Stride, ui: &Ui) -> Result<(Entry, Vec<Stri
     Ok((entry, notes))
 }
 
+/// As [`of_kodak`], of networks that take one raw frame.
+///
+/// # Errors
+/// As there, and a network of several exposures.
+pub fn of_one_frame(names: &str, stride: Stride, ui: &Ui) -> Result<(Entry, Vec<String>), Error> {
+    parts(names).into_iter().try_for_each(|part| check_single(part, &weights::float(part)?))?;
+    of_kodak(names, stride, ui)
+}
+
 /// A network at every stride in float, in fixed point, and on a design that it fits; lines that tell where its integers come from. Its own
 /// are for one stride; for the others it is quantized here. One without integers has none at any stride.
 ///
@@ -91,6 +100,7 @@ pub fn methods(
     ui: &Ui,
 ) -> Result<(Vec<MethodSpec>, Vec<String>), Error> {
     let Loaded { mut float, name: shown, sha256, fixed } = load(name, ui)?;
+    check_single(name, &float)?;
     if float.origin.camera != *camera {
         let own = &float.origin.camera.name;
         return Err(Error::message(format!(
@@ -183,13 +193,33 @@ pub fn camera(name: &str) -> Result<Camera, Error> {
     Ok(weights::float(name)?.origin.camera)
 }
 
-/// A float network, and the hash of its weights.
+/// A float network of any number of exposures, and the hash of its weights.
 ///
 /// # Errors
 /// Nothing of that name, or a file that is broken.
-pub fn float(name: &str, ui: &Ui) -> Result<(Network, String), Error> {
+pub fn of_exposures(name: &str, ui: &Ui) -> Result<(Network, String), Error> {
     let Loaded { float, sha256, .. } = load(name, ui)?;
     Ok((float, sha256))
+}
+
+/// A float network of one raw frame, and the hash of its weights.
+///
+/// # Errors
+/// Nothing of that name, a file that is broken, or a network of several exposures.
+pub fn float(name: &str, ui: &Ui) -> Result<(Network, String), Error> {
+    let (float, sha256) = of_exposures(name, ui)?;
+    check_single(name, &float)?;
+    Ok((float, sha256))
+}
+
+/// Rejects a network of several exposures where a study takes one raw frame.
+fn check_single(name: &str, network: &Network) -> Result<(), Error> {
+    match network.form.exposures {
+        1 => Ok(()),
+        exposures => Err(Error::message(format!(
+            "net '{name}': takes {exposures} raw frames of a scene, this study one; edof study kodak and edof study lens-networks take both"
+        ))),
+    }
 }
 
 /// Built-in scenes that networks are quantized on here, and their size. Committed networks

@@ -93,7 +93,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 
 impl Args {
     fn plan(&self, ui: &Ui) -> Result<Plan, Error> {
-        let (entry, _) = nets::of_kodak(&self.net, Stride::PATCH, ui)?;
+        let (entry, _) = nets::of_one_frame(&self.net, Stride::PATCH, ui)?;
         let camera = entry.camera;
         if camera.is_clear() {
             return Err(Error::message(format!(

@@ -12,7 +12,7 @@ use edof_io::record::{self, Field, RawRecord, Sidecar, Stated};
 use edof_io::rendering::Rendering;
 use edof_io::sensor::Correction;
 use std::borrow::Cow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A raw frame in a file, and what a user states of it.
@@ -47,7 +47,11 @@ struct Found {
 
 /// A frame as the network is to see it, and what is known of it.
 pub(super) struct Taken {
+    pub(super) path: PathBuf,
+    /// The frame as light.
     pub(super) frame: RawFrame,
+    /// Bits of the sensor's values.
+    pub(super) depth: u32,
     /// What its words stand for.
     pub(super) values: Tone,
     pub(super) record: Option<RawRecord>,
@@ -75,16 +79,19 @@ impl FrameSource {
     /// Returns the frame as light, and its record if there is one.
     pub(super) fn open(&self, note: &dyn Fn(FrameNote)) -> Result<Taken, JobError> {
         let Found { frame, values, record, rendering, finish, levels, input } = self.find(note)?;
+        let depth = frame.depth();
         let frame = match (&self.sensor, levels) {
             (Some(sensor), _) => {
                 self.check_values(values)?;
                 sensor.light(&frame).map_err(|e| JobError::in_file(&self.path, e))?
             }
-            (None, Some(levels)) => levels.light(&frame)?,
+            (None, Some(levels)) => {
+                levels.light(&frame).map_err(|source| JobError::Levels { path: self.path.clone(), source })?
+            }
             (None, None) => frame,
         };
         let camera = record.as_ref().map(|record| &record.camera).or(self.stated.camera.as_ref()).cloned();
-        Ok(Taken { frame, values, camera, rendering, record, finish, input })
+        Ok(Taken { path: self.path.clone(), frame, depth, values, camera, rendering, record, finish, input })
     }
 
     /// Returns the sensor's values, and the frame as an input of results.
@@ -189,13 +196,18 @@ impl FrameSource {
 #[error("its words encode light ({0}), a sensor file needs the sensor's values")]
 struct Encoded(Tone);
 
-/// Remarks on a frame without a record that was perhaps read otherwise than it was taken.
-pub(super) fn remark(path: &Path, frame: &RawFrame, note: &dyn Fn(FrameNote)) {
-    let path = path.to_owned();
-    for warning in read_warnings(frame) {
-        note(match warning {
-            ReadWarning::Dim(brightest) => FrameNote::Dim { path: path.clone(), brightest },
-            ReadWarning::Phase => FrameNote::OtherPhase { path: path.clone(), phase: frame.phase() },
-        });
+impl Taken {
+    /// Remarks on a frame without a record that was perhaps read otherwise than it was taken.
+    pub(super) fn remark(&self, note: &dyn Fn(FrameNote)) {
+        if self.record.is_some() {
+            return;
+        }
+        for warning in read_warnings(&self.frame) {
+            let path = self.path.clone();
+            note(match warning {
+                ReadWarning::Dim(brightest) => FrameNote::Dim { path, brightest },
+                ReadWarning::Phase => FrameNote::OtherPhase { path, phase: self.frame.phase() },
+            });
+        }
     }
 }

@@ -1,5 +1,6 @@
-//! From a raw frame in a file to a picture in a file.
+//! From a raw frame in a file, or from the exposures of a scene, to a picture in a file.
 
+mod exposures;
 mod frame;
 mod suits;
 
@@ -13,7 +14,7 @@ use edof_core::overlap::Overlap;
 use edof_core::reconstructor::Multiplications;
 use edof_core::storage::atomic;
 use edof_core::storage::provenance::Input;
-use edof_core::{ColourFrame, DisplayMode, Frame422, Reconstructor, Stride, Tone, cable};
+use edof_core::{ColourFrame, DisplayMode, Frame422, RawFrame, Reconstructor, Stride, Tone, cable};
 use edof_golden::words::Boundary;
 use edof_golden::{Counts, Curve, Display, DisplayCounts, Golden, Picture};
 use edof_gpu::{GpuFloat, GpuGolden};
@@ -28,8 +29,10 @@ use std::time::Instant;
 /// A reconstruction: which frame, by which network, and which files are written.
 #[derive(Debug, Clone)]
 pub struct ReconstructJob {
-    /// The raw frame.
+    /// The raw frame; for a network of several exposures, the first of the scene.
     pub source: FrameSource,
+    /// The raw frames of the scene's further exposures.
+    pub further: Vec<FrameSource>,
     /// Name or file of the network; by default the one for the frame's tone and noise.
     pub network: Option<String>,
     /// Whether a network that was trained for another lens is used.
@@ -94,26 +97,24 @@ fn timed<T, E>(compute: impl FnOnce() -> Result<T, E>) -> Result<(T, f64), E> {
 }
 
 impl ReconstructJob {
-    /// Reads the frame alone; returns it as an input of results. For anybody with many frames, before the first is computed.
+    /// Reads the raw frames alone; returns them as inputs of results. For anybody with many scenes, before the first is computed.
     ///
     /// # Errors
     /// A frame that cannot be used.
-    pub fn check(&self, note: &dyn Fn(FrameNote)) -> Result<Input, JobError> {
-        Ok(self.source.open(note)?.input)
+    pub fn check(&self, note: &dyn Fn(FrameNote)) -> Result<Vec<Input>, JobError> {
+        Ok(self.open(note)?.into_iter().map(|taken| taken.input).collect())
     }
 
-    /// Reads the frame, computes the picture and writes the files.
+    /// Reads the raw frames, computes the picture and writes the files.
     ///
     /// # Errors
     /// A frame or a network that cannot be used or do not fit each other, a file that cannot be written.
     pub fn run(&self, note: &dyn Fn(FrameNote)) -> Result<Reconstructed, JobError> {
-        let taken = self.source.open(note)?;
-        if taken.record.is_none() {
-            frame::remark(&self.source.path, &taken.frame, note);
-        }
+        let exposures = self.open(note)?;
+        exposures.iter().for_each(|taken| taken.remark(note));
         match &self.engine {
-            Engine::Float(stride) => self.float(taken, *stride, note),
-            Engine::Fixed(options) => self.fixed(taken, options, note),
+            Engine::Float(stride) => self.float(exposures, *stride, note),
+            Engine::Fixed(options) => self.fixed(exposures, options, note),
         }
     }
 
@@ -139,37 +140,41 @@ impl ReconstructJob {
 
     fn float(
         &self,
-        taken: Taken,
+        exposures: Vec<Taken>,
         stride: Stride,
         note: &dyn Fn(FrameNote),
     ) -> Result<Reconstructed, JobError> {
-        let name = self.network(&taken);
+        let taken = &exposures[0];
+        let name = self.network(taken);
         let network = weights::float(name)?;
         let input = weights::float_input(name)?;
-        self.check_suits(&network.origin, &taken, note)?;
+        self.check_suits(&network.origin, &exposures, note)?;
         let method: Box<dyn Reconstructor> = match self.device.open()? {
             None => Box::new(FloatReconstructor::new(network, stride, Overlap::Hann, Output::Rgb)?),
             Some(device) => Box::new(GpuFloat::new(device, network, stride, Overlap::Hann)?),
         };
-        let result = method.reconstruct(&taken.in_values(Tone::Linear)).map_err(|e| self.failed(e))?;
+        let light: Vec<_> = exposures.iter().map(|taken| taken.in_values(Tone::Linear)).collect();
+        let light: Vec<&RawFrame> = light.iter().map(AsRef::as_ref).collect();
+        let result = method.reconstruct_exposures(&light).map_err(|e| self.failed(e))?;
         Ok(Reconstructed {
             method: method.name().to_owned(),
-            size: self.save(result.frame, &taken)?,
-            tone: self.tone(&taken),
+            size: self.save(result.frame, taken)?,
+            tone: self.tone(taken),
             seconds: result.seconds,
             multiplications: result.multiplications,
             counts: None,
-            inputs: vec![taken.input, input],
+            inputs: exposures.into_iter().map(|taken| taken.input).chain([input]).collect(),
         })
     }
 
     fn fixed(
         &self,
-        taken: Taken,
+        mut exposures: Vec<Taken>,
         options: &FixedOptions,
         note: &dyn Fn(FrameNote),
     ) -> Result<Reconstructed, JobError> {
-        let (network, input) = self.fixed_network(&taken, options.stride, note)?;
+        let (network, input) = self.fixed_network(&exposures, options.stride, note)?;
+        let taken = exposures.swap_remove(0);
         let mut method = format!("{}.fixed", network.origin.name);
         let values = network.origin.values;
         let (golden, raw) = (Golden::new(network)?, taken.in_values(values));
@@ -213,14 +218,14 @@ impl ReconstructJob {
 
     fn fixed_network(
         &self,
-        taken: &Taken,
+        exposures: &[Taken],
         asked: Option<Stride>,
         note: &dyn Fn(FrameNote),
     ) -> Result<(FixedNetwork, Input), JobError> {
-        let name = self.network(taken);
+        let name = self.network(&exposures[0]);
         let network = weights::fixed(name)?;
         let input = weights::fixed_input(name)?;
-        self.check_suits(&network.origin, taken, note)?;
+        self.check_suits(&network.origin, exposures, note)?;
         match asked.filter(|stride| *stride != network.stride) {
             Some(asked) => {
                 Err(JobError::OtherStride { network: name.to_owned(), asked, quantized: network.stride })

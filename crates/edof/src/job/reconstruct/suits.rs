@@ -5,32 +5,47 @@ use super::frame::Taken;
 use crate::job::note::OtherLens;
 use crate::job::{FrameNote, JobError};
 use crate::presets::weights;
+use edof_core::ReconstructError;
+use edof_core::camera::Camera;
 use edof_network::Fit;
 use edof_network::network::Origin;
 
 impl ReconstructJob {
-    /// Rejects a network for another lens; remarks where it was trained for another tone or noise.
+    /// Rejects a network for another lens or another number of exposures; remarks where it was trained for another tone or noise.
     pub(super) fn check_suits(
         &self,
         origin: &Origin,
-        taken: &Taken,
+        exposures: &[Taken],
         note: &dyn Fn(FrameNote),
     ) -> Result<(), JobError> {
-        self.check_lens(origin, taken, note)?;
-        self.remark_on_tone(origin, taken, note);
-        self.remark_on_noise(origin, taken, note);
+        let cameras = origin.cameras();
+        if exposures.len() != cameras.len() {
+            return Err(self.failed(ReconstructError::exposures(
+                &origin.name,
+                exposures.len(),
+                cameras.len(),
+            )));
+        }
+        exposures
+            .iter()
+            .zip(&cameras)
+            .try_for_each(|(taken, camera)| self.check_lens(camera, taken, note))?;
+        for taken in exposures {
+            self.remark_on_tone(origin, taken, note);
+            self.remark_on_noise(origin, taken, note);
+        }
         Ok(())
     }
 
     /// The network must have been trained for the lens that took the frame, as its record or the user states.
-    fn check_lens(&self, origin: &Origin, taken: &Taken, note: &dyn Fn(FrameNote)) -> Result<(), JobError> {
-        let Some(camera) = taken.camera.as_ref().filter(|camera| !origin.camera.same_lens(camera)) else {
+    fn check_lens(&self, trained: &Camera, taken: &Taken, note: &dyn Fn(FrameNote)) -> Result<(), JobError> {
+        let Some(camera) = taken.camera.as_ref().filter(|camera| !trained.same_lens(camera)) else {
             return Ok(());
         };
         let other = Box::new(OtherLens {
-            path: self.source.path.clone(),
+            path: taken.path.clone(),
             network: self.network(taken).to_owned(),
-            trained: origin.camera.clone(),
+            trained: trained.clone(),
             camera: camera.clone(),
             is_recorded: taken.record.is_some(),
             tone: self.tone(taken),
@@ -50,7 +65,7 @@ impl ReconstructJob {
             return;
         }
         note(FrameNote::OtherTone {
-            path: self.source.path.clone(),
+            path: taken.path.clone(),
             network: self.network(taken).to_owned(),
             camera: Box::new(origin.camera.clone()),
             trained,
@@ -67,7 +82,7 @@ impl ReconstructJob {
         }
         let better = weights::for_noise(name, tone, noise);
         note(FrameNote::OtherNoise {
-            path: self.source.path.clone(),
+            path: taken.path.clone(),
             network: name.to_owned(),
             trained: origin.conditions.iter().filter(|condition| condition.tone == tone).cloned().collect(),
             noise,
