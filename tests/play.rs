@@ -214,11 +214,8 @@ fn by_commands(place: &Place, lens: &Value, seed: u64, rest: &str) -> f64 {
         "capture chart --size 512x384 --camera page.json --psi {psi} --noise {noise} --seed {seed} --out raw.png --sharp sharp.png"
     );
     place.edof(&taken).done();
-    let weights = if lens["network"]["differs"] == json!([]) { name.to_owned() } else { name.to_owned() };
     place
-        .edof(&format!(
-            "reconstruct raw.png --float --weights {weights} --out out.png --bits 16 --force {rest}"
-        ))
+        .edof(&format!("reconstruct raw.png --float --weights {name} --out out.png --bits 16 --force {rest}"))
         .done();
     run(place, "compare sharp.png out.png")["psnr_db"].as_f64().unwrap()
 }
