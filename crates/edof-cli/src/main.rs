@@ -94,7 +94,7 @@ struct Cli {
 const EXAMPLES: &str = "\
 Examples:
   edof demo                                          runs the whole chain; see out/report.html
-  edof play                                          opens a page with sliders and pictures that follow
+  edof play                                          opens a page with sliders for a lens
   edof doctor                                        lists tools, designs, networks, photographs
 
  A researcher: from a photograph to a reconstructed picture

@@ -178,7 +178,7 @@ Examples:
   edof capture photo.jpg --depth-map millimetres.png --map-unit mm --nominal 3 --out raw.png
   edof capture photo.png --camera ring-outer --psi 8 --out raw.png
   edof capture scene.json --out raw.png
-  edof capture photo.png --psi 3 --camera clear-mid --focus 2,6 --noise sensor --out o.png   writes o-1.png and o-2.png
+  edof capture photo.png --psi 3 --camera clear-mid --focus 2,6 --out o.png   o-1.png and o-2.png
   edof capture photo.png --psf-bank lens.npz --psi 4 --out raw.png
   edof capture chart-4 --noise sensor:gain=8 --out raw.pgm --sharp sharp.png
   edof capture photo.png --out raw.png --video frame.2vuy

@@ -36,7 +36,7 @@ use std::sync::Arc;
   edof reconstruct raw.png --weights edof-t4w12 --float --stride 4 --out sharp.tif
   edof reconstruct frame.bin --size 1920x1080 --bit-depth 12 --phase gbrg --out sharp.png
   edof reconstruct night/*.png --out night-sharp/
-  edof reconstruct o-1.png o-2.png --weights two.safetensors --out sharp.png   two exposures of a scene
+  edof reconstruct o-1.png o-2.png --weights two.safetensors --out o.png   two exposures
   edof reconstruct raw.pgm --black-level 64 --white-level 4000 --white-balance 2.1,1,1.6 --out a.png
   edof reconstruct raw.png --board --out board.png     codes of the HDMI port, and a picture
   edof reconstruct --video frame.2vuy --size 1920x1080 --board --out board.png
