@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Proves blocks of the circuit: what is proven stands in proofs.json, the properties in BLOCK.sv beside it.
 
-Each task runs in SymbiYosys with several engines at once; the first that answers counts. A cover task shows that the assumptions leave
+Each task runs in SymbiYosys with the engines that it names; of several the first that answers counts. A cover task shows that the assumptions leave
 room. Broken copies of a block must fail: a proof that cannot fail says nothing.
 """
 
@@ -26,9 +26,7 @@ RUNNING = set()
 def sby(task, mode):
     """The text of SymbiYosys's task file."""
     depth = task.get(f"{mode}_depth", task["depth"])
-    engines = task.get("engines", ["abc pdr", "smtbmc yices"]) if mode == "prove" else ["smtbmc yices"]
-    if mode == "bmc":
-        engines = ["smtbmc yices"]
+    engines = task.get("engines", ["smtbmc yices"]) if mode == "prove" else ["smtbmc yices"]
     parameters = "".join(f" -set {name} {value}" for name, value in task.get("parameters", {}).items())
     defines = "".join(f" -D{name}" for name in task.get("defines", []) + (["COVER"] if mode == "cover" else []))
     lines = ["[options]", f"mode {mode}", f"depth {depth}"]
@@ -82,7 +80,7 @@ def run(task, mode, sources, out, broken=None, patience=1):
     tools = [f"--{tool}={os.environ.get(tool.upper(), found)}" for tool, found in
              [("yosys", "yosys"), ("abc", "yosys-abc"), ("smtbmc", "yosys-smtbmc")]]
     # While it has a free place for a job SymbiYosys does not sleep but asks again and again: no more places than provers.
-    places = 1 if mode != "prove" or len(task.get("engines", "both")) == 1 else 3
+    places = 3 if mode == "prove" and len(task.get("engines", [])) > 1 else 1
     with open(folder / "log", "w") as log:
         # A session of its own: what it has started ends with it, also its solvers, which have process groups of their own.
         prover = subprocess.Popen(["yowasp-sby", "-f", "-j", str(places), *tools, "-d", "work", "task.sby"], cwd=folder, stdout=log,

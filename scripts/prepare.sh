@@ -33,6 +33,11 @@ need_ffmpeg() {
     command -v ffmpeg >/dev/null && command -v ffprobe >/dev/null || install_packages ffmpeg
 }
 
+# Installs Debian's Chromium, where it is missing: for whoever looks at pages.
+need_chromium() {
+    command -v chromium >/dev/null || install_packages chromium
+}
+
 # Installs a driver for OpenCL that runs on the processor (pocl), where there is none at all. A driver that was removed may leave its name.
 need_opencl() {
     if ! ldconfig -p | grep 'libOpenCL\.so' >/dev/null || [ -z "$(ls /etc/OpenCL/vendors/*.icd 2>/dev/null)" ]; then

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The Python package in a fresh virtual environment: pip builds and installs it, pytest holds every result to the program's (and runs the examples for cocotb in
+# The Python package in a fresh virtual environment: its wheel is built and installed, pytest holds every result to the program's (and runs the examples for cocotb in
 # Icarus), the notebooks run, mypy --strict and stubtest check the types. The program is built if it is not given as EDOF.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -24,11 +24,12 @@ say "lints of the extension"
 say "installing the package under $environment"
 python3 -m venv --clear "$environment"
 python=$environment/bin/python
-MATURIN_PEP517_ARGS="--profile ${EDOF_PYTHON_PROFILE:-dev}" "$python" -m pip install -q --disable-pip-version-check ./python -r python/tests/requirements.txt
-
-# From elsewhere, so that the installed package is found and not its source.
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+EDOF_PYTHON_PROFILE=${EDOF_PYTHON_PROFILE:-dev} scripts/wheel.sh "$work"
+"$python" -m pip install -q --disable-pip-version-check "$work"/edof-*.whl -r python/tests/requirements.txt
+
+# From elsewhere, so that the installed package is found and not its source.
 source=$PWD/python
 cd "$work"
 say "types"

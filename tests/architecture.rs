@@ -38,12 +38,14 @@ const RESERVED: &[(&str, &[&str])] = &[
     // Pictures. The golden pipeline's tests read photographs.
     ("image", &["edof-io", "edof-study", "edof-golden"]),
     ("csv", &["edof-study"]),
+    ("hyper", &["edof-cli"]),
     ("libloading", &["edof-cosim"]),
     ("maud", &["edof-study"]),
     ("opencl3", &["edof-gpu"]),
     ("rust-hdl", &["edof-verilog", "edof-verilog-diff", "edof-hdl", "edof-cosim"]),
     ("serialport", &["edof-board"]),
     ("syn", &["edof-verilog-derive"]),
+    ("tokio", &["edof-cli"]),
 ];
 
 /// Every way in which the manifests break the tables.

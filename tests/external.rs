@@ -47,9 +47,22 @@ fn a_program_has_rows_of_its_own_and_is_measured_once() {
 #[test]
 fn a_command_without_its_files_and_two_of_one_name_are_rejected_before_any_work() {
     let place = place();
-    let words = "external command 'mine {raw}': contains no {out}; write it as in 'CMD {raw} {out}'";
+    let words = "external command 'mine {raw}': contains no {out}; write it as in '[NAME=]CMD {raw} {out}";
     study(&place, &["mine {raw}"]).refused(&[words]);
     let both = ["a/mine {raw} {out}", "b/mine {raw} {out}"];
     study(&place, &both).refused(&["--external: two programs are called external-mine"]);
     assert!(!place.path("rows.jsonl").exists());
+}
+
+#[test]
+#[cfg(unix)]
+fn a_program_with_a_list_makes_all_pictures_in_one_process() {
+    let place = place();
+    place.photo("photos/p06.png", 64, 48);
+    let script = "echo start >> starts; echo ready\nwhile IFS='\t' read -r raw out rest; do cp $raw $out; echo $out; done < $1\n";
+    place.write("mine.sh", script);
+    study(&place, &["mine=sh mine.sh {list}"]).done();
+    let rows = std::fs::read_to_string(place.path("rows.csv")).unwrap();
+    assert_eq!(rows.lines().filter(|row| row.starts_with("external-mine,external,")).count(), 2, "{rows}");
+    assert_eq!(std::fs::read_to_string(place.path("starts")).unwrap(), "start\n");
 }

@@ -21,6 +21,7 @@ mod overwriting;
 mod photograph;
 mod pictures;
 mod pipes;
+mod play;
 mod playout;
 mod process_limit;
 mod provenance;

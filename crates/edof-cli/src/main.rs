@@ -94,6 +94,7 @@ struct Cli {
 const EXAMPLES: &str = "\
 Examples:
   edof demo                                          runs the whole chain; see out/report.html
+  edof play                                          opens a page with sliders and pictures that follow
   edof doctor                                        lists tools, designs, networks, photographs
 
  A researcher: from a photograph to a reconstructed picture
@@ -134,6 +135,7 @@ enum Command {
     Sensor(Box<commands::sensor::Args>),
     Study(commands::study::Args),
     Demo(commands::demo::Args),
+    Play(commands::play::Args),
     Compare(commands::compare::Args),
     Doctor(commands::doctor::Args),
     Cosim(commands::cosim::Args),
@@ -189,6 +191,7 @@ fn run() -> Result<(), Error> {
         Command::Sensor(args) => commands::sensor::run(*args, &ui),
         Command::Study(args) => commands::study::run(args, &ui),
         Command::Demo(args) => commands::demo::run(args, &ui),
+        Command::Play(args) => commands::play::run(args, &ui),
         Command::Compare(args) => commands::compare::run(args, &ui),
         Command::Doctor(args) => commands::doctor::run(args, &ui),
         Command::Cosim(args) => commands::cosim::run(args, &ui),

@@ -30,6 +30,13 @@ pub fn in_words(note: &PictureNote) -> String {
             "{}: states {stated}, which is not applied; its values are taken as {tone}",
             path.display()
         ),
+        PictureNote::GamutNotApplied { path, stated } => format!(
+            "{}: states colours of {stated}, which are not converted; its values are taken as sRGB's",
+            path.display()
+        ),
+        PictureNote::FirstOfSeveral { path } => {
+            format!("{}: has several pictures; the first is read", path.display())
+        }
         PictureNote::Cropped { path, from, to } => {
             format!("{}: {from} cropped to {to}, whole Bayer cells", path.display())
         }

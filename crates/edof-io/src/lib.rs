@@ -39,6 +39,7 @@
 
 pub mod camera_raw;
 pub mod dng;
+pub mod gamut;
 pub mod levels;
 pub mod orientation;
 pub mod packing;
@@ -47,6 +48,7 @@ pub mod photos;
 pub mod picture;
 mod png_chunks;
 pub mod pnm;
+mod profile;
 pub mod raw;
 pub mod read_warnings;
 pub mod record;

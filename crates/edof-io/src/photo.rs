@@ -1,5 +1,6 @@
 //! Photographs: files to linear light and back. Sample values are taken as linear light, as the study does.
 
+use crate::gamut::Gamut;
 use crate::picture::{self, PictureError};
 use crate::samples::Samples;
 use crate::transfer::{Curve, Transfer};
@@ -47,28 +48,37 @@ pub struct Folder {
     pub photographs: Vec<Named>,
     /// What was wrong with each that had to be skipped.
     pub skipped: Vec<PhotoError>,
-    /// A line for each photograph that states another curve than sRGB's.
+    /// Remarks of all photographs ([`Photograph::remarks`]).
     pub remarks: Vec<String>,
 }
 
-/// A photograph, and the transfer curve that its file states.
+/// A photograph, and what its file states of its values.
 #[derive(Debug, Clone)]
 pub struct Photograph {
     /// Values of the file, 0…1.
     pub frame: ColourFrame,
     /// What its values are, where the file states it.
     pub transfer: Option<Transfer>,
+    /// Its primaries, where the file states others than sRGB's.
+    pub gamut: Option<Gamut>,
+    /// Whether the file has further pictures.
+    pub is_followed: bool,
 }
 
 impl Photograph {
-    /// Returns a line for a photograph of a folder that states another curve than sRGB's.
-    #[must_use]
-    pub fn remark(&self, path: &Path) -> Option<String> {
-        let stated = self.transfer.as_ref().filter(|transfer| transfer.curve != Curve::Srgb)?;
-        Some(format!(
-            "{}: states {stated}; the photographs of a folder are all read by one --tone, convert it if it is of another",
-            path.display()
-        ))
+    /// Returns a line for each statement of a photograph of a folder that it is not sRGB, or not one picture.
+    pub fn remarks(&self, path: &Path) -> impl Iterator<Item = String> {
+        let path = path.display();
+        let curve = self.transfer.as_ref().filter(|transfer| transfer.curve != Curve::Srgb).map(|stated| {
+            format!(
+                "{path}: states {stated}; the photographs of a folder are all read by one --tone, convert it if it is of another"
+            )
+        });
+        let gamut = self.gamut.as_ref().map(|stated| {
+            format!("{path}: states colours of {stated}; its values are taken as sRGB's, convert it if colours matter")
+        });
+        let first = self.is_followed.then(|| format!("{path}: has several pictures; the first is read"));
+        [curve, gamut, first].into_iter().flatten()
     }
 }
 
@@ -78,16 +88,25 @@ impl Photograph {
 /// # Errors
 /// [`PhotoError::Picture`] naming the file.
 pub fn open(path: &Path) -> Result<Photograph, PhotoError> {
-    let bytes = picture::read(path)?;
-    let planes = light(&bytes, path)?;
+    of_bytes(&picture::read(path)?, path)
+}
+
+/// Reads a photograph from the bytes of its file, as [`open`]; `path` names it in errors.
+///
+/// # Errors
+/// As [`open`].
+pub fn of_bytes(bytes: &[u8], path: &Path) -> Result<Photograph, PhotoError> {
+    let planes = light(bytes, path)?;
     let (_, height, width) = planes.dim();
-    let transfer = Transfer::of(&bytes);
-    if planes.dim().0 == 3 {
-        return Ok(Photograph { frame: ColourFrame { planes }, transfer });
-    }
-    let mut frame = ColourFrame::zeros(height, width);
-    frame.planes.assign(&planes);
-    Ok(Photograph { frame, transfer })
+    let frame = if planes.dim().0 == 3 {
+        ColourFrame { planes }
+    } else {
+        let mut frame = ColourFrame::zeros(height, width);
+        frame.planes.assign(&planes);
+        frame
+    };
+    let (transfer, gamut) = (Transfer::of(bytes), Gamut::of(bytes));
+    Ok(Photograph { frame, transfer, gamut, is_followed: picture::is_followed(bytes) })
 }
 
 /// Reads a photograph without what its file states, as [`open`].
@@ -175,7 +194,7 @@ pub fn load_folder(folder: &Path) -> Result<Folder, FolderError> {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         match open_found(&file) {
             Ok(photograph) => {
-                found.remarks.extend(photograph.remark(&file));
+                found.remarks.extend(photograph.remarks(&file));
                 found.photographs.push((name, photograph.frame));
             }
             Err(error) => found.skipped.push(error),

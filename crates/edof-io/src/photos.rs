@@ -193,7 +193,7 @@ pub fn load(folder: &Path, selection: &Selection) -> Result<Chosen, PhotosError>
     for path in files {
         match photo::open_found(&path) {
             Ok(photograph) => {
-                remarks.extend(photograph.remark(&path));
+                remarks.extend(photograph.remarks(&path));
                 photos.push(Photo { name: stem(&path), frame: even(photograph.frame) });
             }
             Err(error) => skipped.push(error.to_string()),

@@ -37,6 +37,9 @@ pub enum PictureError {
     /// A valid TIFF of a kind that is not read.
     #[error("{path}: valid TIFF of a kind that is not read: {found}; save it uncompressed, with 8 or 16 bits per sample", path = path.display())]
     Unread { path: PathBuf, found: String },
+    /// A TIFF with colours that are multiplied by their alpha.
+    #[error("{path}: its colours are multiplied by a transparency that is not full everywhere (ExtraSamples 1), expected an opaque picture; save it without transparency", path = path.display())]
+    Transparent { path: PathBuf },
     /// A camera's raw frame where a picture is expected.
     #[error("{path}: contains a camera's raw frame (DNG or TIFF of a camera), expected a picture; develop it first, as by 'edof reconstruct'", path = path.display())]
     CameraRaw { path: PathBuf },
@@ -198,6 +201,16 @@ fn check_photograph(bytes: &[u8], path: &Path) -> Result<(), PictureError> {
     if tiff.is_thumbnail() { Err(PictureError::Thumbnail { path: path.to_owned() }) } else { Ok(()) }
 }
 
+/// Returns whether a file has further pictures of the first one's kind, which is the one that is read: pages of a TIFF, or a stream of PGM.
+#[must_use]
+pub fn is_followed(bytes: &[u8]) -> bool {
+    match Format::of(bytes) {
+        Some(Format::Tiff) => Tiff::open(bytes).is_ok_and(|tiff| tiff.is_stack()),
+        Some(Format::Pnm) => pnm::is_followed(bytes),
+        _ => false,
+    }
+}
+
 /// A picture in the rows and columns of its file.
 struct Decoded<T> {
     planes: Array3<T>,
@@ -266,6 +279,7 @@ fn of_tiff(error: TiffError, path: &Path) -> PictureError {
         TiffError::Large(width, height) => PictureError::Decode { path, reason: too_large(width, height) },
         TiffError::Samples(found) => PictureError::Kind { path, found },
         TiffError::Unread(found) => PictureError::Unread { path, found },
+        TiffError::Transparent => PictureError::Transparent { path },
     }
 }
 

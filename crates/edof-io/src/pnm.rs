@@ -27,19 +27,10 @@ pub enum PnmError {
 /// # Errors
 /// Any [`PnmError`].
 pub fn decode(bytes: &[u8]) -> Result<Samples, PnmError> {
-    let kind = bytes.get(1).copied().unwrap_or(0);
-    let mut words = Words { rest: bytes.get(2..).unwrap_or(&[]) };
-    let mut number = |field| match words.number() {
-        None => Err(PnmError::Header { field }),
-        Some(value @ 1..=65535) => Ok(value),
-        Some(value) => Err(PnmError::Range { field, value }),
-    };
-    let (width, height) = (number("width")?, number("height")?);
-    let full_scale = number("maximum value")? as u16;
-    let channels = if matches!(kind, b'3' | b'6') { 3 } else { 1 };
+    let Header { kind, width, height, full_scale, mut words } = Header::of(bytes)?;
+    let channels = channels(kind);
     let expected = width * height * channels;
-    // One byte of white space ends the header of the binary kinds.
-    let body = words.rest.get(1..).unwrap_or(&[]);
+    let body = words.body();
     let samples: Vec<u32> = match (kind, full_scale) {
         (b'2' | b'3', _) => {
             std::iter::from_fn(|| words.number().map(|v| v.min(1 << 16) as u32)).take(expected).collect()
@@ -57,6 +48,47 @@ pub fn decode(bytes: &[u8]) -> Result<Samples, PnmError> {
     let whole = ArrayView3::from_shape((height, width, channels), &samples).map_err(|_| truncated)?;
     let planes = Array3::from_shape_fn((channels, height, width), |(p, r, c)| whole[(r, c, p)] as u16);
     Ok(Samples { planes, full_scale })
+}
+
+/// Returns whether another picture follows the first one, as in a stream of binary ones.
+#[must_use]
+pub fn is_followed(bytes: &[u8]) -> bool {
+    let Ok(Header { kind: kind @ (b'5' | b'6'), width, height, full_scale, words }) = Header::of(bytes)
+    else {
+        return false;
+    };
+    let length = width * height * channels(kind) * if full_scale < 256 { 1 } else { 2 };
+    let rest = words.body().get(length..).unwrap_or(&[]).trim_ascii_start();
+    Header::of(rest).is_ok() && rest.starts_with(b"P")
+}
+
+/// What stands before the samples.
+struct Header<'a> {
+    kind: u8,
+    width: usize,
+    height: usize,
+    full_scale: u16,
+    words: Words<'a>,
+}
+
+impl<'a> Header<'a> {
+    fn of(bytes: &'a [u8]) -> Result<Self, PnmError> {
+        let kind = bytes.get(1).copied().unwrap_or(0);
+        let mut words = Words { rest: bytes.get(2..).unwrap_or(&[]) };
+        let mut number = |field| match words.number() {
+            None => Err(PnmError::Header { field }),
+            Some(value @ 1..=65535) => Ok(value),
+            Some(value) => Err(PnmError::Range { field, value }),
+        };
+        let (width, height) = (number("width")?, number("height")?);
+        let full_scale = number("maximum value")? as u16;
+        Ok(Self { kind, width, height, full_scale, words })
+    }
+}
+
+/// Samples of a pixel.
+const fn channels(kind: u8) -> usize {
+    if matches!(kind, b'3' | b'6') { 3 } else { 1 }
 }
 
 /// A binary PGM (one plane) or PPM (three planes).
@@ -80,7 +112,12 @@ struct Words<'a> {
     rest: &'a [u8],
 }
 
-impl Words<'_> {
+impl<'a> Words<'a> {
+    /// What follows the header of a binary kind, which one byte of white space ends.
+    fn body(&self) -> &'a [u8] {
+        self.rest.get(1..).unwrap_or(&[])
+    }
+
     fn number(&mut self) -> Option<usize> {
         loop {
             match self.rest {
@@ -111,6 +148,16 @@ mod tests {
             (samples.full_scale, samples.planes.into_raw_vec_and_offset().0),
             (4095, vec![0, 17, 4095])
         );
+    }
+
+    #[test]
+    fn a_stream_of_pictures_is_known_by_its_second_header() {
+        let one = b"P5 2 2 255\nabcd";
+        let with = |rest: &[u8]| is_followed(&[&one[..], rest].concat());
+        assert!(with(one) && with(b"\nP6 1 1 1023\n"));
+        assert!(!with(b"") && !with(b"\n") && !with(b"P5") && !with(b"Q5 2 2 255\n"));
+        assert!(is_followed(b"P6 1 1 1023\nabcdefP6 1 1 1023\nabcdef"));
+        assert!(!is_followed(b"P5 2 2 255\nab"), "cut");
     }
 
     #[test]

@@ -1,16 +1,13 @@
 //! Transfer curves that picture files state: whether samples are linear light, sRGB codes, or codes of another curve.
 //!
 //! A PNG states its curve in chunks. Of these cICP precedes iCCP, iCCP precedes sRGB, and sRGB precedes gAMA, as in "Portable Network
-//! Graphics (PNG) Specification (Third Edition)", section 4.3. A TIFF may have an ICC profile. Other formats are taken to state nothing.
+//! Graphics (PNG) Specification (Third Edition)", section 4.3. JPEG, WebP and TIFF may have an ICC profile. Other formats state nothing.
 
 use crate::picture::Format;
 use crate::png_chunks::chunks;
-use crate::tiff::Tiff;
+use crate::profile::Profile;
 use edof_core::Tone;
-use image::ImageDecoder;
-use image::codecs::png::PngDecoder;
 use std::fmt::{self, Display, Formatter};
-use std::io::Cursor;
 
 /// Transfer curve that a file states, and where it states it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -49,8 +46,7 @@ impl Transfer {
     pub fn of(bytes: &[u8]) -> Option<Self> {
         match Format::of(bytes)? {
             Format::Png => of_png(bytes),
-            Format::Tiff => of_profile(Tiff::open(bytes).ok()?.icc_profile()?),
-            _ => None,
+            _ => of_profile(&Profile::of(bytes)?),
         }
     }
 
@@ -68,7 +64,7 @@ impl Transfer {
 fn of_png(png: &[u8]) -> Option<Transfer> {
     let find = |wanted: &[u8; 4]| chunks(png).find(|(name, _)| *name == wanted).map(|(_, content)| content);
     let coded = find(b"cICP").and_then(coded);
-    let profile = || find(b"iCCP").map(|_| of_profile(&profile(png)?));
+    let profile = || find(b"iCCP").map(|_| of_profile(&Profile::of(png)?));
     coded.or_else(|| match profile() {
         // A profile decides, even one whose curve is unknown.
         Some(transfer) => transfer,
@@ -77,10 +73,6 @@ fn of_png(png: &[u8]) -> Option<Transfer> {
             None => find(b"gAMA").and_then(gamma),
         },
     })
-}
-
-fn profile(png: &[u8]) -> Option<Vec<u8>> {
-    PngDecoder::new(Cursor::new(png)).ok()?.icc_profile().ok()?
 }
 
 /// Curve of cICP's transfer characteristics (ITU-T H.273, table 3); none where it is unspecified.
@@ -106,45 +98,40 @@ fn coded(content: &[u8]) -> Option<Transfer> {
 /// Largest relative difference of two exponents that are taken as equal, as by libpng.
 const EQUAL: f64 = 0.05;
 
+/// Whether two exponents are taken as equal.
+fn is(exponent: f64, other: f64) -> bool {
+    (exponent / other - 1.0).abs() < EQUAL
+}
+
 /// Curve of an exponent from light to samples, in 1/100000.
 fn gamma(content: &[u8]) -> Option<Transfer> {
     let exponent = f64::from(u32::from_be_bytes(content.try_into().ok()?)) / 1e5;
-    let is = |other: f64| (exponent / other - 1.0).abs() < EQUAL;
     let curve = match exponent {
         e if e <= 0.0 => return None,
-        _ if is(1.0) => Curve::Linear,
-        _ if is(0.45455) => Curve::Srgb,
+        e if is(e, 1.0) => Curve::Linear,
+        e if is(e, 0.45455) => Curve::Srgb,
         _ => Curve::Other("another power"),
     };
     Some(Transfer { curve, source: format!("gAMA {exponent}") })
 }
 
-/// Curve of an ICC profile's first channel, where it is linear; other profiles are taken as encoded and not looked into.
-fn of_profile(profile: &[u8]) -> Option<Transfer> {
-    let number = |at: usize| Some(u32::from_be_bytes(*profile.get(at..)?.first_chunk()?) as usize);
-    let count = number(128)?.min(256);
-    let entries = (0..count).map(|index| 132 + 12 * index);
-    let is_curve = |at: &usize| profile.get(*at..at + 4).is_some_and(|tag| tag == b"rTRC" || tag == b"kTRC");
-    let at = number(entries.into_iter().find(is_curve)? + 4)?;
-    let short = |at: usize| Some(u16::from_be_bytes(*profile.get(at..)?.first_chunk()?));
-    let is_linear = match profile.get(at..at.checked_add(4)?)? {
-        b"curv" => match number(at + 8)? {
-            0 => true,
-            1 => short(at + 12)? == 256,
-            _ => false,
-        },
-        b"para" => short(at + 8)? == 0 && number(at + 12)? == 1 << 16,
-        _ => false,
-    };
-    is_linear.then(|| Transfer { curve: Curve::Linear, source: "ICC profile".to_owned() })
+/// Curve of an ICC profile's first channel, where it is a power other than about 2.2; other profiles are taken as encoded like sRGB.
+fn of_profile(profile: &Profile) -> Option<Transfer> {
+    let exponent = profile.exponent()?;
+    if is(exponent, 1.0) {
+        return Some(Transfer { curve: Curve::Linear, source: "ICC profile".to_owned() });
+    }
+    let source = format!("ICC profile, exponent {exponent:.2}");
+    (!is(exponent, 2.2)).then_some(Transfer { curve: Curve::Other("another power"), source })
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+    use crate::profile::tests::profile;
 
     /// A PNG of one grey pixel with chunks before its pixels; their checksums are 0.
-    fn png(more: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
+    pub(crate) fn png(more: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
         let mut bytes = b"\x89PNG\r\n\x1a\n".to_vec();
         let header: (&[u8; 4], &[u8]) = (b"IHDR", &[0, 0, 0, 1, 0, 0, 0, 1, 8, 0, 0, 0, 0]);
         for (name, content) in [&[header], more, &[(b"IDAT", &[]), (b"IEND", &[])]].concat() {
@@ -196,18 +183,14 @@ mod tests {
     }
 
     #[test]
-    fn a_linear_profile_is_known_by_its_curve() {
-        let with = |curve: &[u8]| {
-            let tag =
-                [&1u32.to_be_bytes()[..], b"rTRC", &144u32.to_be_bytes(), &16u32.to_be_bytes()].concat();
-            let profile = [&[0; 128][..], &tag, curve].concat();
-            of_profile(&profile).map(|transfer| transfer.curve)
-        };
-        assert_eq!(with(b"curv\0\0\0\0\0\0\0\0"), Some(Curve::Linear));
-        assert_eq!(with(b"curv\0\0\0\0\0\0\0\x01\x01\0"), Some(Curve::Linear));
-        assert_eq!(with(b"para\0\0\0\0\0\0\0\0\0\x01\0\0"), Some(Curve::Linear));
+    fn a_linear_profile_and_another_power_are_known_by_their_curves() {
+        let with =
+            |curve: &[u8]| of_profile(&profile(&[(b"rTRC", curve)])).map(|transfer| transfer.to_string());
+        assert_eq!(with(b"curv\0\0\0\0\0\0\0\0").as_deref(), Some("linear light (ICC profile)"));
+        // Adobe RGB's 2.2, and ProPhoto RGB's 1.8.
         assert_eq!(with(b"curv\0\0\0\0\0\0\0\x01\x02\x33"), None);
-        assert_eq!(with(b"para\0\0\0\0\0\x03\0\0\0\x02\x66\x66"), None);
+        let power = with(b"curv\0\0\0\0\0\0\0\x01\x01\xcd");
+        assert_eq!(power.as_deref(), Some("another power (ICC profile, exponent 1.80)"));
         assert_eq!(with(b"curv"), None);
     }
 }

@@ -69,6 +69,9 @@ pub enum NetworkError {
     /// T out of range.
     #[error("layers {0}: must be 2 to 10")]
     Layers(usize),
+    /// More layers than a network was trained with, or fewer than two.
+    #[error("layers {layers}: must be 2 to {trained}, the layers of this network")]
+    Fewer { layers: usize, trained: usize },
     /// Length of the sparse code out of range.
     #[error("codes {0}: must be 1 to 1024")]
     Codes(usize),
@@ -267,6 +270,20 @@ impl Origin {
 }
 
 impl Network {
+    /// Returns the same network with fewer layers: A, its first thresholds and matrices S, D and R. It was not trained so.
+    ///
+    /// # Errors
+    /// [`NetworkError::Fewer`] for fewer layers than any network has, or more than this one.
+    pub fn with_layers(mut self, layers: usize) -> Result<Self, NetworkError> {
+        if !(2..=self.form.layers).contains(&layers) {
+            return Err(NetworkError::Fewer { layers, trained: self.form.layers });
+        }
+        self.form.layers = layers;
+        self.thresholds.truncate(self.form.shrinkages());
+        self.recurrent.truncate(self.form.recurrent_matrices());
+        Ok(self)
+    }
+
     /// # Errors
     /// [`NetworkError`] for the first thing that does not fit the form.
     pub fn check(&self) -> Result<(), NetworkError> {

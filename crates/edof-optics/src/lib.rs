@@ -70,7 +70,7 @@ mod sensor;
 mod statistics;
 mod tiles;
 
-pub use blur::{Blur, blur, blur_adjoint, blur_frame};
+pub use blur::{Blur, Spectrum, blur, blur_adjoint, blur_frame};
 pub use depth::{distance_m, geometric_blur_um, psi_at, psi_metres};
 pub use mtf::{Footprint, Otf, cutoff_per_mm, green_cutoff_per_mm, otf, sampled_otf, through_focus};
 pub use pupil::Pupil;

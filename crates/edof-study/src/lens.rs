@@ -7,11 +7,11 @@ use edof_core::{Channel, ColourFrame, Tone};
 use edof_optics::bank;
 use edof_optics::distance_m;
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
-use edof_optics::{Footprint, green_cutoff_per_mm, otf, through_focus};
+use edof_optics::{Footprint, Otf, green_cutoff_per_mm, otf, through_focus};
 use ndarray::Array2;
 
 /// Points of a curve.
-const POINTS: u32 = 60;
+pub const POINTS: u32 = 60;
 /// Colours of red, green and blue.
 const CHANNELS: [(&str, &str); 3] = [("red", "#d62728"), ("green", "#2ca02c"), ("blue", "#1f77b4")];
 /// The sheet shows PSFs as far as any of them has so much of its peak, but no more and no fewer pixels than these.
@@ -28,6 +28,34 @@ const SCALE: usize = 5;
 pub fn without_mask(camera: &Camera) -> Camera {
     let name = format!("{} without mask", camera.name);
     Camera { name, ..camera.without_mask() }
+}
+
+/// Contrast of red, green and blue at a quarter of green's cut-off for each ψ; the lens alone. Negative values are reversed contrast.
+///
+/// # Errors
+/// [`NoPsf`].
+pub fn contrast(camera: &Camera, psis: &[f64]) -> Result<Vec<[f64; 3]>, NoPsf> {
+    through_focus(camera, green_cutoff_per_mm(camera) / 4.0, psis, Footprint::Lens)
+}
+
+/// Depths of a curve over a camera's range of ψ.
+#[must_use]
+pub fn curve_depths(camera: &Camera) -> Vec<f64> {
+    let [low, high] = depths(camera);
+    (0..=32).map(|i| low + (high - low) * f64::from(i) / 32.0).collect()
+}
+
+/// Response of red, green and blue at [`POINTS`] + 1 frequencies from 0 to green's cut-off; the lens alone.
+///
+/// # Errors
+/// [`NoPsf`].
+pub fn responses(camera: &Camera, psi: f64) -> Result<[Vec<f64>; 3], NoPsf> {
+    let cutoff = green_cutoff_per_mm(camera);
+    let [red, green, blue] = Channel::ALL.map(|channel| otf(camera, channel, psi, Footprint::Lens));
+    let curve = |response: Otf| {
+        (0..=POINTS).map(|i| response.at(f64::from(i) / f64::from(POINTS) * cutoff)).collect()
+    };
+    Ok([curve(red?), curve(green?), curve(blue?)])
 }
 
 /// Figure 1(a): green's response over spatial frequency, as a share of the cut-off, at each ψ; negative where contrast is
@@ -59,10 +87,9 @@ pub fn mtf_plot(camera: &Camera, psis: &[f64]) -> Result<Plot, NoPsf> {
 /// [`NoPsf`].
 pub fn contrast_plot(camera: &Camera) -> Result<Plot, NoPsf> {
     let [low, high] = depths(camera);
-    let psis: Vec<f64> = (0..=32).map(|i| low + (high - low) * f64::from(i) / 32.0).collect();
-    let frequency = green_cutoff_per_mm(camera) / 4.0;
+    let psis = curve_depths(camera);
     let curves = |camera: &Camera, mark: Mark, note: &str| -> Result<Vec<Series>, NoPsf> {
-        let contrasts = through_focus(camera, frequency, &psis, Footprint::Lens)?;
+        let contrasts = contrast(camera, &psis)?;
         let curve = |(channel, (name, colour)): (usize, (&str, &str))| {
             let points = psis.iter().zip(&contrasts).map(|(&psi, c)| [psi, c[channel].abs()]);
             Series::new(format!("{name}{note}"), mark, points).coloured(colour)

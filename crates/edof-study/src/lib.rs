@@ -27,6 +27,7 @@
 //! | | [`labels`] | parcels at four depths, whose labels carry codes and text |
 //! | | [`demo`] | one scene at four depths through several lenses |
 //! | | [`lens`] | MTF, contrast through focus, a sheet of PSFs |
+//! | | [`live`] | a picture before a lens that is moved while somebody looks |
 //! | tell | [`summary`] | averages, worst depths, what fixed point and 4:2:2 cost |
 //! | | [`tables`] | the same for a terminal, as Markdown and as a report; in LaTeX with standard errors (`Study::to_latex`) |
 //! | | [`speed`] | what rows of one depth say together, and what the paper says |
@@ -51,6 +52,7 @@ pub mod labels;
 mod latex;
 pub mod lens;
 pub mod lens_networks;
+pub mod live;
 pub mod made;
 pub mod methods;
 pub mod metrics;

@@ -107,7 +107,10 @@ fn rows_of_photographs() {
         noise: vec![Noise::gaussian(0.01)],
         optics: Settings::default(),
     };
-    let plan = kodak::Plan { setups: vec![Setup { camera: camera("ring-outer"), methods }], conditions };
+    let plan = kodak::Plan {
+        setups: vec![Setup { camera: camera("ring-outer"), further_foci: vec![], methods }],
+        conditions,
+    };
     let hashes = recognised(&Kodak::new(&plan, &photos("kodim03")), true);
     let sensor = sensor("Gaussian { sigma: 0.01 }", 4_341_630_239_353_149_263);
     let float = "\"FloatSettings { stride: Stride(8), overlap: Hann, output: Rgb, budget: None }\"";

@@ -156,9 +156,13 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 
 /// The compared part of a picture.
 fn part(file: &Path, args: &Args, ui: &Ui) -> Result<ColourFrame, Error> {
-    let Photograph { frame: picture, transfer } = photo::open(file)?;
+    let Photograph { frame: picture, transfer, gamut, is_followed } = photo::open(file)?;
+    if is_followed {
+        ui.note(format!("{}: has several pictures; the first is compared", file.display()));
+    }
     let other = transfer.filter(|stated| stated.curve != Curve::Srgb && stated.tone() != Some(args.tone));
-    if let Some(stated) = other {
+    let gamut = gamut.map(|stated| format!("colours of {stated}"));
+    for stated in other.map(|stated| stated.to_string()).into_iter().chain(gamut) {
         ui.note(format!("{}: states {stated}; its values are compared as they are", file.display()));
     }
     let name = file.file_stem().unwrap_or_default().to_string_lossy();

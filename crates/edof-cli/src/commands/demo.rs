@@ -111,6 +111,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     ui.say(result.verdict())?;
     told.iter().try_for_each(|told| ui.say(told.to_text()))?;
     ui.say(format_args!("pictures side by side: {}", args.out.join("report.html").display()))?;
+    ui.say("move the lens yourself, on a page of this computer: edof play")?;
     let mut data = serde_json::to_value(&result)?;
     data["board"] = told.map_or(Value::Null, |told| told.to_json());
     ui.json(&data)

@@ -11,6 +11,7 @@ pub mod estimate;
 pub mod explore;
 pub mod generate;
 pub mod optics;
+pub mod play;
 pub mod quantize;
 pub mod random_network;
 pub mod reconstruct;

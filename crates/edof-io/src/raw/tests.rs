@@ -34,6 +34,21 @@ fn a_saved_frame_needs_no_option_but_its_phase() {
 }
 
 #[test]
+fn the_first_of_several_frames_is_read_with_a_remark() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("frames.pgm");
+    let [first, second] = [b"P5 2 2 255\nabcd", b"P5 2 2 255\nefgh"];
+    let notes = |content: &[u8]| {
+        std::fs::write(&path, content).unwrap();
+        let opened = open(&path, &RawOptions::default(), &Overrides::default()).unwrap();
+        assert_eq!(opened.frame.values()[(0, 0)], u16::from(b'a'));
+        opened.notes
+    };
+    assert!(notes(first).is_empty());
+    assert!(notes(&[&first[..], second].concat())[0].starts_with("has several frames; the first is read"));
+}
+
+#[test]
 fn a_headerless_file_is_read_in_both_byte_orders() {
     let options =
         RawOptions { depth: Some(12), size: Some(Size { width: 2, height: 2 }), ..RawOptions::default() };

@@ -33,6 +33,7 @@ mod tag {
     pub const TILE_HEIGHT: u16 = 323;
     pub const TILE_OFFSETS: u16 = 324;
     pub const TILE_BYTES: u16 = 325;
+    pub const EXTRA_SAMPLES: u16 = 338;
     pub const FORMAT: u16 = 339;
     pub const JPEG_TABLES: u16 = 347;
     pub const ICC_PROFILE: u16 = 34675;
@@ -41,6 +42,9 @@ mod tag {
 
 /// Photometric interpretations of a camera's mosaic, and of a linear DNG.
 const RAW: [usize; 2] = [32803, 34892];
+
+/// Bit of a page among several ones in [`tag::SUBFILE`]; others stand for smaller copies and masks.
+const PAGE: usize = 2;
 
 /// Reasons not to read a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -53,6 +57,8 @@ pub enum TiffError {
     Samples(String),
     /// A valid file of another kind.
     Unread(String),
+    /// Colours that are multiplied by their alpha, which is not full everywhere.
+    Transparent,
 }
 
 impl From<&str> for TiffError {
@@ -117,6 +123,15 @@ impl<'a> Tiff<'a> {
         self.directory.whole(tag::SUBFILE).is_some_and(|kind| kind & 1 == 1)
     }
 
+    /// Returns whether the file has further pictures of the first one's size, as a stack of frames has.
+    pub fn is_stack(&self) -> bool {
+        let size = |one: &Directory| [tag::WIDTH, tag::HEIGHT].map(|side| one.whole(side));
+        let is_page = |one: &&Directory| {
+            one.whole(tag::SUBFILE).unwrap_or(0) & !PAGE == 0 && size(one) == size(&self.directory)
+        };
+        self.directory.file().directories().found.iter().filter(is_page).count() > 1
+    }
+
     /// Returns the colour profile.
     pub fn icc_profile(&self) -> Option<&'a [u8]> {
         self.directory.bytes(tag::ICC_PROFILE).ok().flatten()
@@ -138,8 +153,22 @@ impl<'a> Tiff<'a> {
         if colour.samples() > layout.samples {
             return Err("it has fewer samples per pixel than its colours need".into());
         }
-        let planes = layout.planes(&self.directory, colour.samples())?;
+        let mut planes = layout
+            .planes(&self.directory, colour.samples() + usize::from(self.is_multiplied(&layout, &colour)))?;
+        if planes.dim().0 > colour.samples() {
+            let alpha = planes.index_axis(Axis(0), colour.samples());
+            if alpha.iter().any(|alpha| *alpha != layout.full_scale()) {
+                return Err(TiffError::Transparent);
+            }
+            planes.slice_collapse(s![..colour.samples(), .., ..]);
+        }
         Ok(coloured(planes, &colour, layout.full_scale()))
+    }
+
+    /// Returns whether colours are followed by the alpha that they are multiplied by.
+    fn is_multiplied(&self, layout: &Layout, colour: &Colour) -> bool {
+        let kinds = self.directory.wholes(tag::EXTRA_SAMPLES).unwrap_or_default();
+        kinds.first() == Some(&1) && colour.samples() < layout.samples
     }
 
     fn colour(&self, layout: &Layout) -> Result<Colour, TiffError> {

@@ -107,6 +107,19 @@ fn colours_of_every_kind_become_grey_or_red_green_and_blue() {
 }
 
 #[test]
+fn colours_multiplied_by_alpha_are_read_where_that_is_full() {
+    let with = |alpha: u8, kind: u16| {
+        let more = [(tag::EXTRA_SAMPLES, Short(vec![kind]))];
+        file(&[&tags(2, 1, &[8; 4], 2), &more[..]].concat(), &[1, 2, 3, 255, 4, 5, 6, alpha], false)
+    };
+    let opaque = (vec![1, 4, 2, 5, 3, 6], 255);
+    assert_eq!(values(&with(255, 1)), opaque);
+    // Unassociated alpha is dropped.
+    assert_eq!(values(&with(7, 2)), opaque);
+    assert!(refused(&with(254, 1)).contains("save it without transparency"));
+}
+
+#[test]
 fn planes_predictors_and_bit_orders_are_undone() {
     let differences = grey(&[(tag::PREDICTOR, Short(vec![2]))], &[250, 10, 3, 4]);
     assert_eq!(values(&differences).0, [250, 4, 3, 7]);
@@ -209,6 +222,22 @@ fn a_cameras_raw_frame_or_thumbnail_is_no_photograph() {
     assert!(matches!(error, PictureError::CameraRaw { .. }));
     let error = refused(&grey(&[(tag::SUBFILE, Long(vec![1]))], &[0; 4]));
     assert!(error.starts_with("x.tif: begins with a thumbnail"), "{error}");
+}
+
+#[test]
+fn pages_of_one_size_are_a_stack_and_smaller_copies_are_not() {
+    let with = |kind: u32| {
+        let directory = |bytes: &[u8]| u32::from_le_bytes(bytes[4..8].try_into().unwrap()) as usize;
+        let second = grey(&[(tag::SUBFILE, Long(vec![kind]))], &[0; 4]);
+        let mut bytes = grey(&[], &[0; 4]);
+        let end = bytes.len();
+        bytes[end - 4..].copy_from_slice(&(end as u32).to_le_bytes());
+        bytes.extend(&second[directory(&second)..]);
+        picture::is_followed(&bytes)
+    };
+    assert!(with(0) && with(2));
+    assert!(!with(1) && !with(4), "a thumbnail, a mask");
+    assert!(!picture::is_followed(&grey(&[], &[0; 4])));
 }
 
 #[test]

@@ -298,6 +298,37 @@ mod tests {
     }
 
     #[test]
+    fn a_network_with_fewer_layers_is_the_one_whose_other_layers_change_nothing() {
+        let mut network = nearest_site_network(8);
+        network.form.layers = 4;
+        network.analysis.fill(0.01);
+        network.dictionary.fill(0.3);
+        network.thresholds = [0.02, 0.05, 0.07].map(|theta| Array1::from_elem(1, theta)).into();
+        network.recurrent = [0.4, -0.2].map(|s| Array2::from_elem((1, 1), s)).into();
+        let raw = RawFrame::from_values(
+            Array2::from_shape_fn((16, 24), |(r, c)| (r * 40 + c) as u16),
+            10,
+            CfaPhase::Rggb,
+        );
+        let picture =
+            |network: Network| of(network, Output::Rgb).reconstruct(raw.as_ref().unwrap()).unwrap().frame;
+        // b_t = b_1 with S = 0, and all thresholds those of the first layers.
+        let mut still = network.clone();
+        still.recurrent.iter_mut().for_each(|s| s.fill(0.0));
+        still.thresholds = vec![network.thresholds[0].clone(); 3];
+        assert_eq!(picture(network.clone().with_layers(2).unwrap()), picture(still.clone()));
+        assert_ne!(
+            picture(network.clone().with_layers(3).unwrap()),
+            picture(network.clone().with_layers(2).unwrap())
+        );
+        assert_eq!(network.clone().with_layers(4), Ok(network.clone()));
+        for layers in [1, 5] {
+            let error = network.clone().with_layers(layers).unwrap_err().to_string();
+            assert_eq!(error, format!("layers {layers}: must be 2 to 4, the layers of this network"));
+        }
+    }
+
+    #[test]
     fn a_network_of_two_exposures_with_nothing_in_one_half_is_the_network_of_the_other() {
         let noisy = |seed: usize| {
             let codes = Array2::from_shape_fn((20, 28), |(r, c)| {

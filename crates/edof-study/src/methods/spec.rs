@@ -5,7 +5,7 @@ use crate::methods::board::BoardReconstructor;
 use crate::methods::by_noise::ByNoise;
 use crate::methods::deconvolution::{Deconvolution, DeconvolutionReconstructor, Known};
 use crate::methods::dictionary::Dictionary;
-use crate::methods::external::{ExternalError, ExternalReconstructor, ExternalSettings};
+use crate::methods::external::{ExternalError, ExternalReconstructor, ExternalSettings, Program};
 use crate::methods::method::{Family, Format, Method};
 use crate::methods::pursuit::PursuitReconstructor;
 use crate::methods::settings::{
@@ -111,8 +111,8 @@ pub enum MethodSpec {
     },
     /// Anybody's program.
     External {
-        /// The command.
-        settings: ExternalSettings,
+        /// The command, and its process if there is one for all frames.
+        program: Program,
         /// SHA-256 of the command and of the files that it names.
         sha256: String,
     },
@@ -223,13 +223,13 @@ impl MethodSpec {
         })
     }
 
-    /// A user's program, as `CMD {raw} {out}`, which may take N seconds.
+    /// A user's program, written as [`FORMS`](crate::methods::external::FORMS), which may take N seconds.
     ///
     /// # Errors
     /// [`ExternalError`].
     pub fn external(command: &str, seconds: u64) -> Result<Self, ExternalError> {
         let settings = ExternalSettings::new(command, seconds)?;
-        Ok(Self::External { sha256: settings.sha256(), settings })
+        Ok(Self::External { sha256: settings.sha256(), program: Program::new(settings) })
     }
 
     /// All names that [`MethodSpec::named`] knows.
@@ -257,7 +257,7 @@ impl MethodSpec {
                 of_float(network, format, settings)
             }
             Self::FloatGpu { network, settings, .. } => of_float(network, Format::FloatGpu, settings),
-            Self::External { settings, .. } => Method::external(settings.name()),
+            Self::External { program, .. } => Method::external(program.settings.name()),
             Self::Fixed { network, name, .. } => of_fixed(network, Format::Fixed, name),
             Self::Board { network, name, .. } => of_fixed(network, Format::Board, name),
             Self::FixedGpu { network, name, .. } => of_fixed(network, Format::FixedGpu, name),
@@ -276,7 +276,7 @@ impl MethodSpec {
             Self::Float { settings, .. } | Self::FloatGpu { settings, .. } => settings.key_text(),
             Self::ByNoise(networks) => networks.settings(Self::settings),
             // How long it may take makes no other picture.
-            Self::External { settings, .. } => settings.command.clone(),
+            Self::External { program, .. } => program.settings.command.clone(),
             Self::Fixed { .. } | Self::Board { .. } | Self::FixedGpu { .. } => String::new(),
         }
     }
@@ -331,7 +331,9 @@ impl MethodSpec {
                 let board = BoardReconstructor::new(network, design, name.clone());
                 Box::new(board.map_err(|source| PrepareError::Board { net: name, source })?)
             }
-            Self::External { settings, .. } => Box::new(ExternalReconstructor::new(settings.clone())),
+            Self::External { program, .. } => {
+                Box::new(ExternalReconstructor::new(program.clone(), case.psi, case.noise))
+            }
             Self::ByNoise(networks) => networks.at(case.noise).prepare(case)?,
             Self::Fixed { network, .. } => {
                 let golden = GoldenReconstructor::new((**network).clone(), name.clone());

@@ -65,6 +65,21 @@ fn pixels(frame: &ColourFrame, tone: Tone) -> RgbImage {
     })
 }
 
+/// The same values as [`png`], to within one code, without a format: red, green, blue and 255 of each pixel, row by row. For screens that change many times
+/// a second.
+#[must_use]
+pub fn rgba(frame: &ColourFrame, tone: Tone) -> Vec<u8> {
+    let code = |value: &f32| {
+        let word = tone.encode_word((value.clamp(0.0, 1.0) * 65535.0).round() as u16);
+        ((u32::from(word) * 255 + 32767) / 65535) as u8
+    };
+    let mut bytes = vec![255; 4 * frame.planes.len() / 3];
+    for (plane, values) in frame.planes.outer_iter().enumerate() {
+        bytes[plane..].iter_mut().step_by(4).zip(values).for_each(|(byte, value)| *byte = code(value));
+    }
+    bytes
+}
+
 /// Pictures laid out in rows on grey paper with `gap` pixels between them; each cell is as large as the largest picture.
 #[must_use]
 pub fn sheet(rows: &[Vec<ColourFrame>], gap: usize) -> ColourFrame {
@@ -195,6 +210,19 @@ mod tests {
         assert_eq!(decoded.get_pixel(0, 0).0, [100, 0, 0]);
         assert_eq!(decoded.get_pixel(2, 1).0, [0, 255, 0]);
         assert_eq!(decoded.get_pixel(0, 1).0, [0, 0, 0]);
+    }
+
+    #[test]
+    fn bytes_for_a_screen_are_those_of_the_png() {
+        let mut frame = ColourFrame::zeros(64, 97);
+        let count = frame.planes.len() as f32;
+        frame.planes.iter_mut().enumerate().for_each(|(i, v)| *v = 1.2 * i as f32 / count - 0.1);
+        for tone in Tone::ALL {
+            let decoded = image::load_from_memory(&png(&frame, tone).unwrap()).unwrap().to_rgba8();
+            let bytes = rgba(&frame, tone);
+            assert_eq!(bytes.len(), 4 * 64 * 97);
+            assert!(decoded.iter().zip(&bytes).all(|(a, b)| a.abs_diff(*b) <= 1));
+        }
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use crate::presets::lens::DepthRange;
 use edof_core::camera::Camera;
 use edof_core::{CfaPhase, Noise, Tone};
+use edof_io::gamut::Gamut;
 use edof_io::raw::Size;
 use edof_io::record::Contradiction;
 use edof_io::transfer::Transfer;
@@ -19,6 +20,10 @@ pub enum PictureNote {
     Linear { path: PathBuf, stated: Transfer },
     /// The photograph's file states a curve that is neither of the known tones.
     CurveNotApplied { path: PathBuf, stated: Transfer, tone: Tone },
+    /// The photograph's file states other primaries than sRGB's.
+    GamutNotApplied { path: PathBuf, stated: Gamut },
+    /// The file has further pictures, which are not read.
+    FirstOfSeveral { path: PathBuf },
     /// An odd last row or column is left out.
     Cropped { path: PathBuf, from: Size, to: Size },
     /// Pixels of a depth map have no reading and get the nearest one.

@@ -51,14 +51,29 @@ pub fn load(
     tones: Tones,
     note: &dyn Fn(PictureNote),
 ) -> Result<(ColourFrame, Tone), PhotoError> {
-    let Photograph { frame, transfer } = photo::open(path)?;
+    Ok(ready(photo::open(path)?, path, tones, note))
+}
+
+/// Makes a photograph ready as [`load`] does; `path` names it in notes.
+pub fn ready(
+    Photograph { frame, transfer, gamut, is_followed }: Photograph,
+    path: &Path,
+    tones: Tones,
+    note: &dyn Fn(PictureNote),
+) -> (ColourFrame, Tone) {
     let tone = tones.of(path, transfer.as_ref(), note);
+    if let Some(stated) = gamut {
+        note(PictureNote::GamutNotApplied { path: path.to_owned(), stated });
+    }
+    if is_followed {
+        note(PictureNote::FirstOfSeveral { path: path.to_owned() });
+    }
     let [from, to] = [frame.size(), whole_cells(frame.size())].map(|(height, width)| Size { width, height });
     if from == to {
-        return Ok((frame, tone));
+        return (frame, tone);
     }
     note(PictureNote::Cropped { path: path.to_owned(), from, to });
-    Ok((frame.crop(0, 0, to.height, to.width), tone))
+    (frame.crop(0, 0, to.height, to.width), tone)
 }
 
 /// Returns the rows and columns of whole Bayer cells. What holds none stays as it is and is rejected as a frame.

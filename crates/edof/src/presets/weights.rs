@@ -11,6 +11,7 @@ use edof_core::storage::input;
 use edof_core::storage::provenance::{Input, InputKind};
 use edof_core::{Noise, Tone};
 use edof_network::fit::best_fit;
+use edof_network::network::{Form, Origin};
 use edof_network::{FixedNetwork, Network, form, weight_file};
 use std::path::{Path, PathBuf};
 
@@ -92,37 +93,66 @@ pub const fn clear_for(tone: Tone) -> &'static str {
 /// `name` itself unless another suits it better ([`edof_network::Fit`]).
 #[must_use]
 pub fn for_noise(name: &str, tone: Tone, noise: Noise) -> &str {
-    let Ok(Network { form, origin: usual, .. }) = float(name) else { return name };
-    let others = names().into_iter().filter_map(|other| {
-        let network =
-            float(other).ok().filter(|n| n.form == form && n.origin.camera.same_lens(&usual.camera))?;
-        Some((other, network.origin.fit(tone, noise)?))
-    });
-    let own = usual.fit(tone, noise).map(|fit| (name, fit));
-    best_fit(own.into_iter().chain(others)).map_or(name, |(name, _)| name)
+    let Ok(usual) = float(name) else { return name };
+    Catalogue::read().for_noise((name, &usual.form, &usual.origin), tone, noise)
 }
 
 /// A network that comes with the program and was trained for a camera's lens, for `tone` if there is one; of several, the one for most
 /// noises.
 #[must_use]
 pub fn trained_for(camera: &Camera, tone: Tone) -> Option<&'static str> {
-    let general = |tones: &[Tone]| {
-        let fitting = names().into_iter().filter_map(|name| {
-            let origin = float(name).ok()?.origin;
-            let condition = origin.conditions.iter().find(|condition| tones.contains(&condition.tone))?;
-            origin.camera.same_lens(camera).then_some((name, condition.width()))
-        });
-        fitting.reduce(|best, other| if other.1 > best.1 { other } else { best }).map(|(name, _)| name)
-    };
-    general(&[tone]).or_else(|| general(&Tone::ALL))
+    let catalogue = Catalogue::read();
+    catalogue.trained_on(camera, &[tone]).or_else(|| catalogue.trained_on(camera, &Tone::ALL))
 }
 
 /// A network that comes with the program and was trained for a camera's lens on pictures of a tone.
+#[must_use]
 pub fn trained_on(camera: &Camera, tone: Tone) -> Option<&'static str> {
-    trained_for(camera, tone).filter(|name| {
-        float(name)
-            .is_ok_and(|network| network.origin.conditions.iter().any(|condition| condition.tone == tone))
-    })
+    Catalogue::read().trained_on(camera, &[tone])
+}
+
+/// What the networks that come with the program were trained for, read once: for anybody who asks often.
+#[derive(Debug)]
+pub struct Catalogue(Vec<(&'static str, Form, Origin)>);
+
+impl Catalogue {
+    /// Reads all networks.
+    #[must_use]
+    pub fn read() -> Self {
+        let read = |name| float(name).ok().map(|network| (name, network.form, network.origin));
+        Self(names().into_iter().filter_map(read).collect())
+    }
+
+    /// As [`for_noise`], of a network that may be another one's.
+    #[must_use]
+    pub fn for_noise<'a>(
+        &self,
+        (name, form, usual): (&'a str, &Form, &Origin),
+        tone: Tone,
+        noise: Noise,
+    ) -> &'a str {
+        let others = self.0.iter().filter_map(|(other, own, origin)| {
+            let fits = own == form && origin.camera.same_lens(&usual.camera);
+            fits.then(|| origin.fit(tone, noise)).flatten().map(|fit| (*other, fit))
+        });
+        let own = usual.fit(tone, noise).map(|fit| (name, fit));
+        best_fit(own.into_iter().chain(others)).map_or(name, |(name, _)| name)
+    }
+
+    /// A network that was trained for a camera's lens on pictures of one of these tones; of several, the one for most noises.
+    #[must_use]
+    pub fn trained_on(&self, camera: &Camera, tones: &[Tone]) -> Option<&'static str> {
+        let fitting = self.0.iter().filter_map(|(name, _, origin)| {
+            let condition = origin.conditions.iter().find(|condition| tones.contains(&condition.tone))?;
+            origin.camera.same_lens(camera).then_some((*name, condition.width()))
+        });
+        fitting.reduce(|best, other| if other.1 > best.1 { other } else { best }).map(|(name, _)| name)
+    }
+
+    /// Name, form and origin of each network.
+    pub fn networks(&self) -> impl Iterator<Item = (&'static str, &Form, &Origin)> {
+        self.0.iter().map(|(name, form, origin)| (*name, form, origin))
+    }
 }
 
 /// The file that [`float`] reads, where the network is not inside the program.

@@ -111,7 +111,7 @@ fn written(advice: &Advice, open: &Camera, args: &Args) -> Result<Camera, Error>
 }
 
 /// The command that trains a network for a camera and a light, from half to twice its gain.
-fn train(camera: &Path, light: Light, stops: f64) -> String {
+pub fn train(camera: &Path, light: Light, stops: f64) -> String {
     let gain = SensorNoise::default().full_well_e / light.electrons * stops.exp2();
     let digits = |gain: f64| number((gain * 1e3).round() / 1e3);
     format!(
@@ -140,7 +140,7 @@ fn focus_m(choice: &Choice, open: &Camera) -> Option<f64> {
 }
 
 /// The advice in words.
-fn lines(advice: &Advice, open: &Camera, light: Light) -> Vec<String> {
+pub fn lines(advice: &Advice, open: &Camera, light: Light) -> Vec<String> {
     let Advice { advised, others, .. } = advice;
     let [low, high] = open.psi_range;
     let mut lines = vec![format!(

@@ -103,8 +103,9 @@ impl Kernels {
 #[derive(clap::Args)]
 pub struct Externals {
     /// Your program as a further method with its own rows; repeatable. {raw} is a 16-bit PNG of Bayer values, {out}
-    /// the PNG to write: linear light, 8 or 16 bits per colour, as large as the raw frame
-    #[arg(long, value_name = "'CMD {raw} {out}'")]
+    /// the PNG to write: linear light, 8 or 16 bits per colour, as large as the raw frame; {psi} and {noise} may tell
+    /// it depth and noise. With {list} instead, one process makes all pictures (docs/external.md). NAME= names it
+    #[arg(long, value_name = "'[NAME=]CMD {raw} {out}'")]
     external: Vec<String>,
 
     /// Seconds after which a run of this program is ended
@@ -123,7 +124,7 @@ impl Externals {
         for (place, method) in all.iter().enumerate() {
             if all[..place].iter().any(|other| other.method() == method.method()) {
                 return Err(Error::message(format!(
-                    "--external: two programs are called {}, which tables cannot distinguish; rename one",
+                    "--external: two programs are called {}, which tables cannot distinguish; write NAME= before one",
                     method.method()
                 )));
             }

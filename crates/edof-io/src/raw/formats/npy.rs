@@ -40,7 +40,12 @@ fn values(source: Source<'_>, options: &RawOptions) -> Result<Values, RawError> 
     RawError::check_size(Size { width, height }, options.size, path)?;
     let words = words(&values).map_err(damaged)?;
     let found = if bytes == 1 { 8 } else { 16 };
-    Ok(Values { words, depth: options.depth.unwrap_or(found), alignment: Alignment::Bottom })
+    Ok(Values {
+        words,
+        depth: options.depth.unwrap_or(found),
+        alignment: Alignment::Bottom,
+        is_followed: false,
+    })
 }
 
 /// Rejects a number that is no sensor value.

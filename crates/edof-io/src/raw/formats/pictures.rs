@@ -72,7 +72,8 @@ fn values(source: Source<'_>, options: &RawOptions) -> Result<Values, RawError> 
     let bytes = source.all()?;
     let samples = picture::decode(&bytes, path)?;
     let (depth, alignment) = meaning(Format::of(&bytes), &samples, options.depth, path)?;
-    Ok(Values { words: single_plane(samples, options.size, path)?, depth, alignment })
+    let words = single_plane(samples, options.size, path)?;
+    Ok(Values { words, depth, alignment, is_followed: picture::is_followed(&bytes) })
 }
 
 /// Returns depth and alignment of a picture's samples.

@@ -85,7 +85,7 @@ fn two_exposures_at_one_focus_have_the_mean_of_the_whole_time_and_pay_for_readin
     let truth = &at("none", &[4.0])[0];
     let error = |noise: &str, foci: &[f64]| {
         let (mean, error) = mean_and_error(&at(noise, foci), truth);
-        let exact = mean_and_error(&[truth.clone()], truth).0;
+        let exact = mean_and_error(std::slice::from_ref(truth), truth).0;
         assert!((mean / exact - 1.0).abs() < 0.005, "{noise}: mean {mean}, without noise {exact}");
         error
     };

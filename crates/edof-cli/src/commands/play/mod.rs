@@ -1,0 +1,75 @@
+//! `edof play`: a page to look through a lens whose parameters are moved.
+//!
+//! | what | file |
+//! |---|---|
+//! | connections, and who may speak | [`server`], [`guard`] |
+//! | what a page asks for | [`state`] |
+//! | pictures and figures of a state | [`engine`], [`pictures`], [`networks`] |
+//! | the page itself | `page/` |
+
+mod engine;
+mod guard;
+mod networks;
+mod pictures;
+mod server;
+mod state;
+
+use crate::error::Error;
+use crate::files::Files;
+use crate::lens::{self, Lens};
+use crate::ui::Ui;
+use engine::Engine;
+use guard::Guard;
+use serde_json::json;
+use std::net::{Ipv4Addr, TcpListener};
+use std::path::PathBuf;
+
+/// Open a page with sliders for depth, lens, light and network, whose pictures and figures follow at once, until Ctrl-C
+///
+/// Prints an address of this computer (127.0.0.1) for a browser. The page shows one picture sharp, raw, demosaiced, behind this lens with its network, and
+/// behind the clear lens at its best stop with a network for clear lenses, and plots PSFs, MTF, contrast and dB over depth. Its figures are those of
+/// capture, reconstruct, compare and optics, and the page states these commands. The address contains a random token. Nothing is loaded from elsewhere
+/// or sent elsewhere (docs/play.md).
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  edof play
+  edof play photo.jpg --camera mine.json
+  edof play --port 8080 --json address.json")]
+pub struct Args {
+    /// Photograph to begin with: PNG, JPEG, WebP, TIFF, BMP, PPM or PGM [default: a built-in scene]
+    #[arg(value_name = "PHOTO")]
+    photo: Option<PathBuf>,
+
+    /// Camera to begin with: a preset (clear, clear-mid, ring-2015, ring-2018, ring-depth-2018, ring-outer) or a JSON file
+    #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
+    camera: String,
+
+    /// Port of 127.0.0.1 [default: a free one]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    port: Option<u16>,
+}
+
+/// # Errors
+/// A camera or photograph that cannot be used, a port that is taken.
+pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
+    let Lens { camera, files } = lens::resolve(&args.camera, None)?;
+    Files::new(ui).reads_all(files).reads_all(&args.photo).check()?;
+    ui.used(camera.input());
+    let mut engine = Engine::new(camera)?;
+    if let Some(file) = &args.photo {
+        engine.take(&edof_io::picture::read(file)?, file)?.into_iter().for_each(|note| ui.note(note));
+    }
+    let port = args.port.unwrap_or(0);
+    let of_port = |e: std::io::Error| {
+        let reason = edof_core::storage::atomic::reason(&e);
+        Error::message(format!(
+            "--port {port}: cannot listen on 127.0.0.1: {reason}; name another port, or leave --port out"
+        ))
+    };
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(of_port)?;
+    let guard = Guard::new(listener.local_addr()?.port())?;
+    ui.say(format!("{}  (Ctrl-C ends it)", guard.address()))?;
+    ui.json(&json!({ "address": guard.address() }))?;
+    server::serve(listener, guard, engine)
+}
