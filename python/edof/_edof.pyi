@@ -67,6 +67,9 @@ class Camera:
     def with_aberrations(self, rms_nm: dict[int, float]) -> Camera:
         """The camera with these Zernike terms (Noll's index: root mean square of the optical path in nanometres) in place of its own."""
 
+    def with_focus(self, psi: float) -> Camera:
+        """The camera focused at `psi`: a camera of each exposure of a scene, say."""
+
     def with_mask(self, terms: list[dict[str, object]]) -> Camera:
         """The camera with these terms as its mask, each as in the list `mask` of a camera file: {"ring": {...}}, {"polynomial": {...}}, ....
         Pictures of height maps are looked for in the working directory."""
@@ -210,7 +213,7 @@ class Network:
         (192 x pixels); the last and recurrent only where the form has them."""
 
     def forward(self, windows: _Floats) -> NDArray[np.float32]:
-        """Windows (count x pixels, row by row, 0 to 1) to patches (count x 192: red, green, blue, each 8x8): light, or encoded light (`values`)."""
+        """Windows (count x pixels, row by row, 0 to 1; of several exposures one window after the other) to patches (count x 192: red, green, blue, each 8x8): light, or encoded light (`values`)."""
 
     def save(self, path: _Path) -> None:
         """Writes a weight file, whole or not at all."""
@@ -237,7 +240,11 @@ class Network:
 
     @property
     def camera(self) -> Camera:
-        """The camera that it was trained for."""
+        """The camera that it was trained for; of several exposures, that of the first."""
+
+    @property
+    def foci(self) -> list[float]:
+        """psi at which each exposure of a scene is focused, in the order in which `reconstruct` takes them; one, unless its form has several."""
 
     @property
     def window(self) -> int:
@@ -596,7 +603,7 @@ def capture(
     deviation in units of full scale, or a word such as sensor:gain=4. The same seed gives the same noise. As `edof capture`."""
 
 def reconstruct(
-    raw: _Frame,
+    raw: Union[_Frame, Sequence[_Frame]],
     network: _Net,
     *,
     bit_depth: Optional[SupportsIndex] = None,
@@ -610,7 +617,8 @@ def reconstruct(
     """Linear light of a raw frame: with a Network in floating point (`stride` 2, 4 or 8, default 8), with a FixedNetwork, a name or a file in the board's
     integers (docs/contract.md, section 6, as RGB). `bit_depth`: bits, 8 to 16 (default 16). Levels are sensor values; `sensor`, a correction, takes
     their place. `camera` took the frame (default: that
-    of a Capture); a network that was trained for another lens is rejected. For an array without `camera` nobody can tell."""
+    of a Capture); a network that was trained for another lens is rejected. For an array without `camera` nobody can tell. A Network of several exposures
+    takes a list of as many raw frames of a static scene, in the order of its `foci`; `camera` is then focused at each of them."""
 
 def board_picture(
     raw: _Frame,
@@ -675,12 +683,13 @@ def train(
     *,
     recipe: Optional[dict[str, Any]] = None,
     psi: Optional[Sequence[float]] = None,
+    focus: Optional[Sequence[float]] = None,
     threads: Optional[SupportsIndex] = None,
     start: Optional[Network] = None,
     name: str = "trained",
 ) -> tuple[Network, list[dict[str, Any]]]:
     """Trains a float network of `form` on pictures (as files hold them, 0 to 1) behind a camera, at depths `psi` (default: nine over its range), as `edof train`; `recipe` replaces fields of
-    edof_train::recipe::Recipe (steps, batch, rate, seed, tones, conditions, ...); `start` goes on from a network. Gives the best validated network and a report (step, loss,
+    edof_train::recipe::Recipe (steps, batch, rate, seed, tones, conditions, ...); `focus`: psi of each exposure of the form, in place of the camera's focus; `start` goes on from a network. Gives the best validated network and a report (step, loss,
     best_db) of every hundred steps. The same arguments give the same weights on any number of threads (default 2)."""
 
 def wiener(plane: _Floats, kernel: _Floats, *, noise_to_contrast: float = 0.01) -> _Light:

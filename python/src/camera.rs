@@ -24,6 +24,17 @@ pub fn camera(value: &Bound<'_, PyAny>) -> PyResult<Arc<Camera>> {
     Ok(Arc::new(lens::resolve(&name, None).or_raise()?.camera))
 }
 
+/// The camera focused at ψ.
+pub fn focused(camera: &Camera, psi: f64) -> PyResult<Camera> {
+    if camera.psf_bank.is_some() {
+        return Err(failed(format!(
+            "psi {psi}: camera {} has PSFs of a bank, which has one focus",
+            camera.name
+        )));
+    }
+    Ok(Camera { focus_psi: number(psi, "psi")?, ..camera.clone() })
+}
+
 impl PyCamera {
     /// A camera that may differ in any field.
     fn checked(camera: Camera) -> PyResult<Self> {
@@ -130,6 +141,10 @@ impl PyCamera {
     fn with_aberrations(&self, rms_nm: std::collections::BTreeMap<u32, f64>) -> PyResult<Self> {
         let aberrations = rms_nm.into_iter().map(|(noll, rms_nm)| Aberration { noll, rms_nm }).collect();
         Self::checked(Camera { aberrations: Zernike(aberrations), ..(*self.0).clone() })
+    }
+
+    fn with_focus(&self, psi: f64) -> PyResult<Self> {
+        focused(&self.0, psi).and_then(Self::checked)
     }
 
     fn with_mask(&self, terms: &Bound<'_, PyAny>) -> PyResult<Self> {

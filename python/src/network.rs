@@ -149,8 +149,8 @@ impl PyNetwork {
         let form = self.network.form;
         let windows = crate::arguments::finite::<Ix2>(windows, "windows", "windows x pixels")?;
         let (count, pixels) = windows.as_array().dim();
-        if count == 0 || pixels != form.window.pixels() {
-            let expected = form.window.pixels();
+        if count == 0 || pixels != form.inputs() {
+            let expected = form.inputs();
             return Err(failed(format!(
                 "windows: shape ({count}, {pixels}), expected (1 or more, {expected})"
             )));
@@ -217,6 +217,11 @@ impl PyNetwork {
     #[getter]
     fn camera(&self) -> crate::camera::PyCamera {
         crate::camera::PyCamera(Arc::new(self.network.origin.camera.clone()))
+    }
+
+    #[getter]
+    fn foci(&self) -> Vec<f64> {
+        self.network.origin.cameras().iter().map(|camera| camera.focus_psi).collect()
     }
 
     #[getter]

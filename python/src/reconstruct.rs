@@ -3,11 +3,11 @@
 use crate::arguments::word;
 use crate::error::{OrRaise, failed, wrong_type};
 use crate::network::{NETWORK, PyFixedNetwork, PyNetwork, stride};
-use crate::shot::{check_lens, frame};
+use crate::shot::{check_lens, exposures, frame};
 use crate::{job, json};
 use edof::presets::weights;
 use edof_core::overlap::Overlap;
-use edof_core::{DisplayMode, Reconstructor, Stride, cable};
+use edof_core::{DisplayMode, RawFrame, ReconstructError, Reconstructor, Stride, cable};
 use edof_golden::{Curve, Display, Golden, GoldenFrame, Picture};
 use edof_network::FixedNetwork;
 use edof_network::float::reconstruct::{FloatReconstructor, Output};
@@ -62,7 +62,7 @@ pub fn curve(name: &str) -> PyResult<Curve> {
     }
 }
 
-/// Linear light of a frame.
+/// Linear light of a frame, or of the exposures of a scene.
 #[pyfunction]
 #[pyo3(signature = (raw, network, *, bit_depth = None, phase = None, black_level = None, white_level = None, camera = None, sensor = None, stride = None))]
 #[allow(clippy::too_many_arguments, reason = "what a frame is")]
@@ -79,14 +79,24 @@ pub fn reconstruct<'py>(
     stride: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let (net, asked) = (net(network)?, stride.map(self::stride).transpose()?);
-    check_lens(raw, camera, net.origin())?;
-    let raw = frame(raw, bit_depth, phase, black_level, white_level, sensor)?;
+    let (given, origin) = (exposures(raw)?, net.origin());
+    let cameras = origin.cameras();
+    if given.len() != cameras.len() {
+        return Err(failed(ReconstructError::exposures(&origin.name, given.len(), cameras.len())));
+    }
+    let frames = given.iter().zip(&cameras).map(|(raw, trained)| {
+        check_lens(raw, camera, trained, origin)?;
+        frame(raw, bit_depth, phase, black_level, white_level, sensor)
+    });
+    let raws = frames.collect::<PyResult<Vec<RawFrame>>>()?;
     let light = match net {
         Net::Float(network) => {
             let stride = asked.unwrap_or(Stride::PATCH);
             let method =
                 FloatReconstructor::new((*network).clone(), stride, Overlap::Hann, Output::Rgb).or_raise()?;
-            job::run(py, move |_| method.reconstruct(&raw))?.or_raise()?.frame
+            job::run(py, move |_| method.reconstruct_exposures(&raws.iter().collect::<Vec<_>>()))?
+                .or_raise()?
+                .frame
         }
         Net::Fixed(golden) => {
             let own = golden.network().stride;
@@ -96,7 +106,7 @@ pub fn reconstruct<'py>(
                     "stride {asked}: the network is quantized for a stride of {own}"
                 )));
             }
-            job::run(py, move |_| golden.frame_of_light(&raw).map(|(_, light)| light))?.or_raise()?
+            job::run(py, move |_| golden.frame_of_light(&raws[0]).map(|(_, light)| light))?.or_raise()?
         }
     };
     Ok(light.planes.into_pyarray(py))
@@ -149,8 +159,9 @@ pub fn board_picture(
     curve: &str,
 ) -> PyResult<PyBoardPicture> {
     let golden = fixed(network)?;
-    check_lens(raw, camera, &golden.network().origin)?;
-    let values = golden.network().origin.values;
+    let origin = &golden.network().origin;
+    check_lens(raw, camera, &origin.camera, origin)?;
+    let values = origin.values;
     let display = Display::of_values(values, word::<DisplayMode>(display)?, self::curve(curve)?);
     // To the board leads a cable.
     let raw =
@@ -209,8 +220,9 @@ pub fn words<'py>(
     curve: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     let golden = fixed(network)?;
-    check_lens(raw, camera, &golden.network().origin)?;
-    let values = golden.network().origin.values;
+    let origin = &golden.network().origin;
+    check_lens(raw, camera, &origin.camera, origin)?;
+    let values = origin.values;
     let display = Display::of_values(values, word::<DisplayMode>(display)?, self::curve(curve)?);
     let raw = frame(raw, bit_depth, phase, black_level, white_level, sensor)?.encoded(values).into_owned();
     let (boundaries, out, picture) = job::run(py, move |_| {

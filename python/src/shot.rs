@@ -25,6 +25,23 @@ pub fn is_one(raw: &Bound<'_, PyAny>) -> bool {
     capture(raw).is_some() || raw.cast::<PyUntypedArray>().is_ok()
 }
 
+/// Returns the raw frames of a scene: those of a list, which differ in focus and noise alone, or one.
+pub fn exposures<'py>(raw: &Bound<'py, PyAny>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+    let all = match raw.extract::<Vec<Bound<'py, PyAny>>>() {
+        Ok(all) if !is_one(raw) && !all.is_empty() && all.iter().all(is_one) => all,
+        _ => vec![raw.clone()],
+    };
+    let bits = |raw: &Bound<'py, PyAny>| capture(raw).map(|capture| capture.sensor.depth);
+    for (index, other) in all.iter().enumerate() {
+        if let (Some(found), Some(expected)) = (bits(other), bits(&all[0]))
+            && found != expected
+        {
+            return Err(failed(format!("raw[{index}]: bit depth {found}, expected {expected} as raw[0]")));
+        }
+    }
+    Ok(all)
+}
+
 /// Returns a raw frame as light, from its sensor values and what darkness and full light are in it, or a correction of its sensor.
 pub fn frame(
     raw: &Bound<'_, PyAny>,
@@ -81,14 +98,20 @@ fn agreed<T: PartialEq + Display>(name: &str, given: Option<T>, stated: Option<T
     }
 }
 
-/// Rejects a network that was trained for another lens than took the frame, as the capture or `stated` says.
+/// Rejects a network that was trained for another lens than took the frame, as the capture or `stated` says. `trained` is the camera that the
+/// network was trained for; of several exposures, that of this one, at whose focus `stated` is.
 pub fn check_lens(
     raw: &Bound<'_, PyAny>,
     stated: Option<&Bound<'_, PyAny>>,
+    trained: &Camera,
     origin: &Origin,
 ) -> PyResult<()> {
-    let (capture, stated) = (capture(raw), stated.map(camera).transpose()?);
-    let recorded = capture.map(|capture| &capture.camera);
+    let capture = capture(raw);
+    let stated = stated.map(camera).transpose()?.map(|stated| match origin.further_foci[..] {
+        [] => (*stated).clone(),
+        _ => Camera { focus_psi: trained.focus_psi, ..(*stated).clone() },
+    });
+    let recorded = capture.map(|capture| &*capture.camera);
     if let (Some(stated), Some(recorded)) = (&stated, recorded)
         && !stated.same_lens(recorded)
     {
@@ -98,13 +121,13 @@ pub fn check_lens(
             "camera {given}: the capture states {by} (they differ in {fields}); leave camera out"
         )));
     }
-    match recorded.or(stated.as_ref()).filter(|camera| !origin.camera.same_lens(camera)) {
-        Some(camera) => Err(other_lens(camera, recorded.is_some(), origin)),
+    match recorded.or(stated.as_ref()).filter(|camera| !trained.same_lens(camera)) {
+        Some(camera) => Err(other_lens(camera, recorded.is_some(), trained, origin)),
         None => Ok(()),
     }
 }
 
-fn other_lens(camera: &Camera, is_recorded: bool, origin: &Origin) -> PyErr {
+fn other_lens(camera: &Camera, is_recorded: bool, trained: &Camera, origin: &Origin) -> PyErr {
     let tone = origin.conditions.first().map_or(Tone::Srgb, |condition| condition.tone);
     let instead = match weights::trained_for(camera, tone) {
         Some(name) => format!("use network {name}"),
@@ -113,7 +136,7 @@ fn other_lens(camera: &Camera, is_recorded: bool, origin: &Origin) -> PyErr {
     let other = OtherLens {
         path: "raw".into(),
         network: origin.name.clone(),
-        trained: origin.camera.clone(),
+        trained: trained.clone(),
         camera: camera.clone(),
         is_recorded,
         tone,

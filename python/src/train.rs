@@ -1,7 +1,7 @@
 //! Training of float networks.
 
 use crate::arguments::size;
-use crate::camera::camera;
+use crate::camera::{camera, focused};
 use crate::error::{OrRaise, failed, wrong_type};
 use crate::job;
 use crate::network::PyNetwork;
@@ -66,9 +66,10 @@ impl Task {
     }
 }
 
-/// The recipe of a form, with some fields of its JSON replaced.
-fn recipe(form: &str, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Recipe> {
+/// The recipe of a form with further foci, and with some fields of its JSON replaced.
+fn recipe(form: &str, further_foci: &[f64], changes: Option<&Bound<'_, PyDict>>) -> PyResult<Recipe> {
     let usual = Recipe::new(form::parse(form).map_err(failed)?);
+    let usual = Recipe { further_foci: further_foci.to_vec(), ..usual };
     let Some(changes) = changes else { return Ok(usual) };
     let text: String =
         PyModule::import(changes.py(), "json")?.call_method1("dumps", (changes,))?.extract()?;
@@ -94,7 +95,7 @@ fn recipe(form: &str, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Recipe> {
 
 /// Trains a network; gives it and the reports.
 #[pyfunction]
-#[pyo3(signature = (form, pictures, camera, *, recipe = None, psi = None, threads = None, start = None, name = "trained"))]
+#[pyo3(signature = (form, pictures, camera, *, recipe = None, psi = None, focus = None, threads = None, start = None, name = "trained"))]
 #[allow(clippy::too_many_arguments, reason = "what a training is")]
 pub fn train<'py>(
     py: Python<'py>,
@@ -103,6 +104,7 @@ pub fn train<'py>(
     camera: &Bound<'py, PyAny>,
     recipe: Option<&Bound<'py, PyDict>>,
     psi: Option<Vec<f64>>,
+    focus: Option<Vec<f64>>,
     threads: Option<&Bound<'py, PyAny>>,
     start: Option<&Bound<'py, PyNetwork>>,
     name: &str,
@@ -112,9 +114,13 @@ pub fn train<'py>(
     let picture = |(index, value): (usize, &Bound<'py, PyAny>)| {
         crate::arguments::picture(value, &format!("pictures[{index}]"))
     };
-    let camera = (*self::camera(camera)?).clone();
+    let camera = self::camera(camera)?;
+    let (camera, further_foci) = match focus.as_deref() {
+        Some([first, further @ ..]) => (focused(&camera, *first)?, further.to_vec()),
+        _ => ((*camera).clone(), vec![]),
+    };
     let task = Task {
-        recipe: self::recipe(form, recipe)?,
+        recipe: self::recipe(form, &further_foci, recipe)?,
         pictures: given.iter().enumerate().map(picture).collect::<PyResult<Vec<_>>>()?,
         psis: psi.unwrap_or_else(|| depths(camera.psi_range)),
         threads: threads.map_or(Ok(2), |value| size(value, "threads", 0, 1 << 16))?,

@@ -262,3 +262,31 @@ def test_a_training_gives_the_weights_of_the_program(run: Run, tmp_path: Path) -
     expected = edof.Network.load(tmp_path / "theirs.safetensors").arrays()
     for name, array in network.arrays().items():
         same(array, expected[name])
+
+
+def test_a_pair_is_taken_and_reconstructed_as_by_the_program(run: Run, tmp_path: Path, picture: Picture) -> None:
+    edof.save_picture(tmp_path / "photo.png", picture, curve="linear")
+    lens = edof.Camera("clear-mid")
+    recipe = {"steps": 10, "batch": 8, "validate_every": 10}
+    photos = [edof.Scene.draw("leaves", 192, 256, psi=[0.0], seed=seed).sharp() for seed in (1, 2)]
+    network, _ = edof.train("one-sided,w8,t3,c16,r,e2", photos, lens, recipe=recipe, psi=[3.0], focus=[2.0, 6.0], name="two")
+    assert network.foci == [2.0, 6.0]
+    network.save(tmp_path / "two.safetensors")
+    run("capture", "photo.png", "--psi", 3, "--camera", "clear-mid", "--focus", "2,6", "--noise", "sensor:gain=2", "--seed", 7, "--out", "o.npy", "-q")
+    light = edof.decode(edof.load_picture(tmp_path / "photo.png"))
+    pair = [edof.capture(light, lens.with_focus(psi), 3.0, noise="sensor:gain=4", seed=seed) for psi, seed in [(2.0, 7), (6.0, 8)]]
+    for number, shot in enumerate(pair, 1):
+        same(shot.raw, np.load(tmp_path / f"o-{number}.npy"))
+    run("reconstruct", "o-1.npy", "o-2.npy", "--weights", "two.safetensors", "--tone", "srgb", "--bits", 16, "--out", "sharp.tif", "-q")
+    arrays = [shot.raw for shot in pair]
+    for sharp in [edof.reconstruct(pair, network), edof.reconstruct(arrays, network, bit_depth=12, camera="clear-mid")]:
+        edof.save_picture(tmp_path / "own.tif", sharp, bits=16)
+        assert (tmp_path / "own.tif").read_bytes() == (tmp_path / "sharp.tif").read_bytes()
+    with pytest.raises(edof.EdofError, match="they differ in focus_psi"):
+        edof.reconstruct(pair[::-1], network)
+    with pytest.raises(edof.EdofError, match="two: got 1 raw frame of one scene, expected 2"):
+        edof.reconstruct(pair[0], network)
+    with pytest.raises(edof.EdofError, match="got 2 raw frames of one scene, expected 1"):
+        edof.reconstruct(pair, "edof-t4w12-clear-light")
+    with pytest.raises(edof.EdofError, match=r"raw\[1\]: bit depth 10, expected 12 as raw\[0\]"):
+        edof.reconstruct([pair[0], edof.capture(light, lens.with_focus(6.0), 3.0, bit_depth=10)], network)
