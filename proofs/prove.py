@@ -26,7 +26,7 @@ RUNNING = set()
 def sby(task, mode):
     """The text of SymbiYosys's task file."""
     depth = task.get(f"{mode}_depth", task["depth"])
-    engines = task.get("engines", ["smtbmc yices"]) if mode == "prove" else ["smtbmc yices"]
+    engines = task.get("engines", ["abc pdr"]) if mode == "prove" else ["smtbmc yices"]
     parameters = "".join(f" -set {name} {value}" for name, value in task.get("parameters", {}).items())
     defines = "".join(f" -D{name}" for name in task.get("defines", []) + (["COVER"] if mode == "cover" else []))
     lines = ["[options]", f"mode {mode}", f"depth {depth}"]
@@ -97,7 +97,7 @@ def run(task, mode, sources, out, broken=None, patience=1):
     text = (folder / "log").read_text()
     seconds = time.monotonic() - start
     status = (re.findall(r"DONE \((\w+)", text) or ["ERROR"])[-1]
-    engine = re.findall(r"summary: engine_\d+ \(([^)]*)\) returned (?:pass|PASS|FAIL)(?! for basecase)", text)
+    engine = re.findall(r"summary: engine_\d+ \(([^)]*)\) returned (?:pass|PASS|FAIL|pass for induction)$", text, re.MULTILINE)
     used = re.findall(r"Elapsed process time [^(]*\(secs\)\]: [\d:]+ \((\d+)\)", text)
     how = f"{status} by {engine[0] if engine else '-'} in {seconds:.1f} s" + (f", {used[-1]} s of CPU" if used else "")
     good = status == ("FAIL" if broken is not None else "PASS")
