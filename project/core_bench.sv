@@ -18,7 +18,10 @@ module edof_core_bench;
     localparam integer CORE = @core_units@;
     localparam integer CALCULATOR = @calculator_units@;
     localparam integer SLOWER = CORE > CALCULATOR ? CORE : CALCULATOR;
-    localparam integer CAMERA = SLOWER * CYCLES / (COLUMNS * ROWS);
+    // Products of many cycles need more than 32 bits.
+    localparam integer CAMERA = 64'd1 * SLOWER * CYCLES / (COLUMNS * ROWS);
+    localparam integer SCREEN = CAMERA * 64'd49 / 100;
+    localparam [63:0] LIMIT = 64'd1 * (FRAMES + 6) * CYCLES * SLOWER / CORE;
     reg clock = 1'b0;
     reg calculator_clock = 1'b0;
     reg input_clock = 1'b0;
@@ -26,7 +29,7 @@ module edof_core_bench;
     always #(CORE / 2) clock = !clock;
     always #(CALCULATOR / 2) calculator_clock = !calculator_clock;
     always #(CAMERA / 2) input_clock = !input_clock;
-    always #(CAMERA * 49 / 100) screen_clock = !screen_clock;
+    always #(SCREEN) screen_clock = !screen_clock;
 
     // Reset rises after the start: a block that waits for a change of its inputs must see one.
     reg reset = 1'b0;
@@ -42,7 +45,7 @@ module edof_core_bench;
         cycle <= cycle + 1;
         lfsr <= {lfsr[30:0], lfsr[31] ^ lfsr[21] ^ lfsr[1] ^ lfsr[0]};
         reset <= cycle >= 4 && cycle < 200;
-        if (cycle == (FRAMES + 6) * CYCLES * SLOWER / CORE) begin
+        if (cycle == LIMIT) begin
             $display("FAIL: %0d of %0d pictures after %0d cycles", shown, FRAMES, cycle);
             $fatal(1, "FAIL");
         end

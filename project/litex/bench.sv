@@ -14,7 +14,10 @@ module edof_litex_bench;
     localparam integer CORE = 1000 * @core_period@;
     localparam integer CALCULATOR = 1000 * @calculator_period@;
     localparam integer SLOWER = CORE > CALCULATOR ? CORE : CALCULATOR;
-    localparam integer CAMERA = SLOWER * CYCLES / (COLUMNS * ROWS);
+    // Products of many cycles need more than 32 bits.
+    localparam integer CAMERA = 64'd1 * SLOWER * CYCLES / (COLUMNS * ROWS);
+    localparam integer SCREEN = CAMERA * 64'd49 / 100;
+    localparam [63:0] LIMIT = 64'd1 * (FRAMES + 6) * CYCLES * SLOWER / CORE;
     localparam integer CYCLES_PER_BIT = 8;
     reg sys_clock = 1'b0;
     reg core_clock = 1'b0;
@@ -25,7 +28,7 @@ module edof_litex_bench;
     always #(CORE / 2) core_clock = !core_clock;
     always #(CALCULATOR / 2) calculator_clock = !calculator_clock;
     always #(CAMERA / 2) input_clock = !input_clock;
-    always #(CAMERA * 49 / 100) screen_clock = !screen_clock;
+    always #(SCREEN) screen_clock = !screen_clock;
 
     wire serves = $test$plusargs("serve") != 0;
     reg reset = 1'b0;
@@ -39,7 +42,7 @@ module edof_litex_bench;
         cycle <= cycle + 1;
         reset <= cycle >= 4 && cycle < 200;
         if (dram_ready) running <= running + 1;
-        if (running == (FRAMES + 6) * CYCLES * SLOWER / CORE && shown < FRAMES) begin
+        if (running == LIMIT && shown < FRAMES) begin
             $display("FAIL: %0d of %0d pictures after %0d cycles", shown, FRAMES, running);
             $fatal(1, "FAIL");
         end
