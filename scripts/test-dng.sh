@@ -5,18 +5,10 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
-need_python
 
 if [ -z "${EDOF:-}" ]; then
     cargo build -q -p edof-cli --locked
     EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
 fi
-pins=tests/dng/requirements.txt
-environment=${CARGO_TARGET_DIR:-target}/dng
-if ! cmp -s "$pins" "$environment/requirements.txt"; then
-    say "installing NumPy, LibRaw and tifffile under $environment"
-    python3 -m venv --clear "$environment"
-    "$environment/bin/pip" install -q -r "$pins"
-    cp "$pins" "$environment/requirements.txt"
-fi
+need_environment dng tests/dng/requirements.txt
 "$environment/bin/python" -B tests/dng/check.py "$EDOF" "$@"

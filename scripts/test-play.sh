@@ -7,19 +7,12 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 need_chromium
-need_python
 
 if [ -z "${EDOF:-}" ]; then
     cargo build -q -p edof-cli --locked
     EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
 fi
-environment=$(realpath -m "${CARGO_TARGET_DIR:-target}/play")
-if ! cmp -s tests/play/requirements.txt "$environment/requirements.txt"; then
-    say "installing the driver under $environment"
-    python3 -m venv --clear "$environment"
-    "$environment/bin/pip" install -q --disable-pip-version-check -r tests/play/requirements.txt
-    cp tests/play/requirements.txt "$environment/requirements.txt"
-fi
+need_environment play tests/play/requirements.txt
 [ -z "${1:-}" ] || mkdir -p "$1"
 "$environment/bin/python" -B tests/play/check.py "$(realpath "$EDOF")" ${1:+"$1"}
 say "play: all passed, $SECONDS seconds"

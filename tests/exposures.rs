@@ -32,7 +32,7 @@ fn picture(place: &Place, name: &str) -> ColourFrame {
 fn two_foci_make_two_frames_whose_records_state_focus_share_and_order() {
     let place = Place::new();
     let line = format!("{CAPTURE} --focus 2,6 --sharp sharp.png --light light.png --out o.png --json");
-    let told: Value = serde_json::from_str(&place.edof(&line).done().out).unwrap();
+    let answer: Value = serde_json::from_str(&place.edof(&line).done().out).unwrap();
     let files =
         ["light-1.png", "light-2.png", "o-1.png", "o-1.png.json", "o-2.png", "o-2.png.json", "sharp.png"];
     assert_eq!(place.files(), files);
@@ -46,8 +46,8 @@ fn two_foci_make_two_frames_whose_records_state_focus_share_and_order() {
             (&record["camera"]["focus_psi"], &record["noise"]),
             (&json!(focus), &json!("sensor:gain=2"))
         );
-        assert_eq!(told["frames"][place_in_scene]["exposure"], record["exposure"]);
-        assert_eq!(told["frames"][place_in_scene]["out"], json!(format!("o-{number}.png")));
+        assert_eq!(answer["frames"][place_in_scene]["exposure"], record["exposure"]);
+        assert_eq!(answer["frames"][place_in_scene]["out"], json!(format!("o-{number}.png")));
     }
     let run = place.edof(&format!("{CAPTURE} --focus 2,6 --out o.png")).done();
     assert!(run.out.contains("o-2.png: exposure 2 of 2, focus at psi 6"), "{}", run.out);
@@ -70,9 +70,9 @@ fn a_pair_becomes_one_picture_of_both() {
     let place = taken();
     place.float_network("one.safetensors");
     let line = format!("reconstruct o-1.png o-2.png --weights two.safetensors {LIGHT} --out both.png --json");
-    let told: Value = serde_json::from_str(&place.edof(&line).done().out).unwrap();
-    assert_eq!((&told["method"], &told["raw"]), (&json!("two.float"), &json!("o-1.png")));
-    assert_eq!(told["exposures"], json!(["o-2.png"]));
+    let answer: Value = serde_json::from_str(&place.edof(&line).done().out).unwrap();
+    assert_eq!((&answer["method"], &answer["raw"]), (&json!("two.float"), &json!("o-1.png")));
+    assert_eq!(answer["exposures"], json!(["o-2.png"]));
     // The network gives the mean of what another makes of each frame.
     for number in [1, 2] {
         let line = format!("reconstruct o-{number}.png --float --force --weights one.safetensors {LIGHT}");
@@ -181,8 +181,8 @@ fn a_network_is_trained_for_two_exposures_by_a_command() {
     let network = edof_network::weight_file::load_network(&place.path("two.safetensors")).unwrap();
     let foci: Vec<f64> = network.origin.cameras().iter().map(|camera| camera.focus_psi).collect();
     assert_eq!((network.form.exposures, foci), (2, vec![2.0, 6.0]));
-    let told = place.edof("weights two.safetensors").done().out;
-    assert!(told.contains("takes 2 raw frames of a scene, at foci 2, 6"), "{told}");
+    let answer = place.edof("weights two.safetensors").done().out;
+    assert!(answer.contains("takes 2 raw frames of a scene, at foci 2, 6"), "{answer}");
     place
         .edof("capture photos/p01.png --psi 3 --camera clear-mid --focus 2,6 --noise sensor --out o.png")
         .done();
@@ -200,8 +200,8 @@ fn the_main_study_measures_a_network_of_two_exposures_beside_others_and_studies_
     place.float_network("one.safetensors");
     place.network_of_two("two.safetensors");
     let line = "study kodak --tone srgb --noise none,sensor,0.01 --images photos --photos all --psi 3 --nets one.safetensors,two.safetensors";
-    let told: Value = serde_json::from_str(&place.edof(&format!("{line} --json")).done().out).unwrap();
-    let rows = told["rows"].as_array().unwrap().iter().filter(|row| row["method"] == "two.float");
+    let answer: Value = serde_json::from_str(&place.edof(&format!("{line} --json")).done().out).unwrap();
+    let rows = answer["rows"].as_array().unwrap().iter().filter(|row| row["method"] == "two.float");
     let of_two: Vec<(&str, &str)> =
         rows.map(|row| (row["camera"].as_str().unwrap(), row["noise"].as_str().unwrap())).collect();
     let camera = "clear-mid at foci 2, 6";

@@ -42,6 +42,7 @@ mod pages;
 mod pictures;
 mod provenance;
 mod psf_bank;
+mod raw_words;
 mod said;
 mod threads;
 mod ui;

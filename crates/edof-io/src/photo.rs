@@ -62,7 +62,7 @@ pub struct Photograph {
     /// Its primaries, where the file states others than sRGB's.
     pub gamut: Option<Gamut>,
     /// Whether the file has further pictures.
-    pub is_followed: bool,
+    pub is_first_of_several: bool,
 }
 
 impl Photograph {
@@ -77,7 +77,8 @@ impl Photograph {
         let gamut = self.gamut.as_ref().map(|stated| {
             format!("{path}: states colours of {stated}; its values are taken as sRGB's, convert it if colours matter")
         });
-        let first = self.is_followed.then(|| format!("{path}: has several pictures; the first is read"));
+        let first =
+            self.is_first_of_several.then(|| format!("{path}: has several pictures; the first is read"));
         [curve, gamut, first].into_iter().flatten()
     }
 }
@@ -106,7 +107,7 @@ pub fn of_bytes(bytes: &[u8], path: &Path) -> Result<Photograph, PhotoError> {
         frame
     };
     let (transfer, gamut) = (Transfer::of(bytes), Gamut::of(bytes));
-    Ok(Photograph { frame, transfer, gamut, is_followed: picture::is_followed(bytes) })
+    Ok(Photograph { frame, transfer, gamut, is_first_of_several: picture::is_first_of_several(bytes) })
 }
 
 /// Reads a photograph without what its file states, as [`open`].

@@ -203,10 +203,10 @@ fn check_photograph(bytes: &[u8], path: &Path) -> Result<(), PictureError> {
 
 /// Returns whether a file has further pictures of the first one's kind, which is the one that is read: pages of a TIFF, or a stream of PGM.
 #[must_use]
-pub fn is_followed(bytes: &[u8]) -> bool {
+pub fn is_first_of_several(bytes: &[u8]) -> bool {
     match Format::of(bytes) {
         Some(Format::Tiff) => Tiff::open(bytes).is_ok_and(|tiff| tiff.is_stack()),
-        Some(Format::Pnm) => pnm::is_followed(bytes),
+        Some(Format::Pnm) => pnm::is_first_of_several(bytes),
         _ => false,
     }
 }

@@ -52,7 +52,7 @@ pub fn decode(bytes: &[u8]) -> Result<Samples, PnmError> {
 
 /// Returns whether another picture follows the first one, as in a stream of binary ones.
 #[must_use]
-pub fn is_followed(bytes: &[u8]) -> bool {
+pub fn is_first_of_several(bytes: &[u8]) -> bool {
     let Ok(Header { kind: kind @ (b'5' | b'6'), width, height, full_scale, words }) = Header::of(bytes)
     else {
         return false;
@@ -153,11 +153,11 @@ mod tests {
     #[test]
     fn a_stream_of_pictures_is_known_by_its_second_header() {
         let one = b"P5 2 2 255\nabcd";
-        let with = |rest: &[u8]| is_followed(&[&one[..], rest].concat());
+        let with = |rest: &[u8]| is_first_of_several(&[&one[..], rest].concat());
         assert!(with(one) && with(b"\nP6 1 1 1023\n"));
         assert!(!with(b"") && !with(b"\n") && !with(b"P5") && !with(b"Q5 2 2 255\n"));
-        assert!(is_followed(b"P6 1 1 1023\nabcdefP6 1 1 1023\nabcdef"));
-        assert!(!is_followed(b"P5 2 2 255\nab"), "cut");
+        assert!(is_first_of_several(b"P6 1 1 1023\nabcdefP6 1 1 1023\nabcdef"));
+        assert!(!is_first_of_several(b"P5 2 2 255\nab"), "cut");
     }
 
     #[test]

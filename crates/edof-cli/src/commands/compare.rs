@@ -156,8 +156,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 
 /// The compared part of a picture.
 fn part(file: &Path, args: &Args, ui: &Ui) -> Result<ColourFrame, Error> {
-    let Photograph { frame: picture, transfer, gamut, is_followed } = photo::open(file)?;
-    if is_followed {
+    let Photograph { frame: picture, transfer, gamut, is_first_of_several } = photo::open(file)?;
+    if is_first_of_several {
         ui.note(format!("{}: has several pictures; the first is compared", file.display()));
     }
     let other = transfer.filter(|stated| stated.curve != Curve::Srgb && stated.tone() != Some(args.tone));

@@ -5,6 +5,7 @@ use crate::files::Files;
 use crate::interrupt;
 use crate::kind::Kind;
 use crate::limits::all_within;
+use crate::raw_words;
 use crate::ui::Ui;
 use clap::Args as Options;
 use edof::job::{FrameNote, JobError, SensorJob};
@@ -71,12 +72,12 @@ pub struct Args {
     depth: Option<u32>,
 
     /// Position of values of fewer than 16 bits in a word [default: bottom in headerless files, else top]
-    #[arg(long, value_parser = ["top", "bottom"])]
-    align: Option<String>,
+    #[arg(long, value_parser = raw_words::alignment())]
+    align: Option<Alignment>,
 
     /// Byte order of a headerless file
-    #[arg(long, value_parser = ["little", "big"], default_value = "little")]
-    order: String,
+    #[arg(long, value_parser = raw_words::byte_order(), default_value = "little")]
+    order: ByteOrder,
 
     /// Sensor value of darkness where there are no dark frames; or four, with commas, for the 2x2 pixels from the first on
     #[arg(long, value_name = "LEVEL", default_value = "0", conflicts_with = "dark")]
@@ -244,22 +245,13 @@ impl Args {
     }
 
     fn job(&self) -> SensorJob {
-        let Self { phase, depth, size, packing, .. } = *self;
-        let alignment = self.align.as_deref();
-        let alignment = alignment.map(|a| if a == "top" { Alignment::Top } else { Alignment::Bottom });
+        let Self { phase, depth, align: alignment, order, size, packing, .. } = *self;
         SensorJob {
             dark: self.dark.clone(),
             flat: self.flat.clone(),
             list: self.list.clone(),
             stated: Stated { phase, depth, alignment, size, ..Stated::default() },
-            options: RawOptions {
-                phase: phase.unwrap_or_default(),
-                depth,
-                size,
-                alignment,
-                order: if self.order == "big" { ByteOrder::Big } else { ByteOrder::Little },
-                packing,
-            },
+            options: RawOptions { phase: phase.unwrap_or_default(), depth, size, alignment, order, packing },
             limits: Limits {
                 hot: self.hot,
                 dead: self.dead,

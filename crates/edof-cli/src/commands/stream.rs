@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
 use crate::limits::all_within;
+use crate::raw_words;
 use crate::ui::Ui;
 use crate::weights;
 use clap::ValueEnum;
@@ -59,8 +60,8 @@ pub struct Args {
     depth: Option<u32>,
 
     /// Byte order of words
-    #[arg(long, value_parser = ["little", "big"], default_value = "little")]
-    order: String,
+    #[arg(long, value_parser = raw_words::byte_order(), default_value = "little")]
+    order: ByteOrder,
 
     /// Correction of the sensor, as edof sensor writes it: offsets, shading and defects; it states darkness and full light
     #[arg(long, value_name = "FILE", conflicts_with_all = ["black_level", "white_level"])]
@@ -229,7 +230,7 @@ impl Args {
             layout: Layout {
                 size: self.size,
                 packing: self.packing,
-                order: if self.order == "big" { ByteOrder::Big } else { ByteOrder::Little },
+                order: self.order,
                 depth: self.depth,
                 phase: self.phase,
                 levels: Levels { black: self.black_level, white: self.white_level },

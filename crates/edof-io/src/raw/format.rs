@@ -69,7 +69,7 @@ pub struct Values {
     /// Position of the values in the words, unless an option states another one.
     pub alignment: Alignment,
     /// Whether the file has further frames.
-    pub is_followed: bool,
+    pub is_first_of_several: bool,
 }
 
 impl RawFormat {

@@ -99,14 +99,14 @@ fn check_depth(options: &RawOptions, path: &Path) -> Result<(), RawError> {
 
 /// Makes a frame of sensor values.
 fn of_values(values: Values, options: &RawOptions, path: &Path) -> Result<Dng, RawError> {
-    let Values { words, depth, alignment, is_followed } = values;
+    let Values { words, depth, alignment, is_first_of_several } = values;
     let values = match options.alignment.unwrap_or(alignment) {
         Alignment::Bottom => words,
         Alignment::Top => lower(words, depth, path)?,
     };
     let frame = RawFrame::from_values(values, depth, options.phase)
         .map_err(|source| RawError::Frame { path: path.to_owned(), source })?;
-    let notes = is_followed.then(|| FIRST_OF_SEVERAL.to_owned()).into_iter().collect();
+    let notes = is_first_of_several.then(|| FIRST_OF_SEVERAL.to_owned()).into_iter().collect();
     Ok(Dng { frame, rendering: Rendering::default(), finish: Finish::default(), notes })
 }
 

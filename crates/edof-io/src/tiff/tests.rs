@@ -233,11 +233,11 @@ fn pages_of_one_size_are_a_stack_and_smaller_copies_are_not() {
         let end = bytes.len();
         bytes[end - 4..].copy_from_slice(&(end as u32).to_le_bytes());
         bytes.extend(&second[directory(&second)..]);
-        picture::is_followed(&bytes)
+        picture::is_first_of_several(&bytes)
     };
     assert!(with(0) && with(2));
     assert!(!with(1) && !with(4), "a thumbnail, a mask");
-    assert!(!picture::is_followed(&grey(&[], &[0; 4])));
+    assert!(!picture::is_first_of_several(&grey(&[], &[0; 4])));
 }
 
 #[test]

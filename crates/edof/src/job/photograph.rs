@@ -56,7 +56,7 @@ pub fn load(
 
 /// Makes a photograph ready as [`load`] does; `path` names it in notes.
 pub fn ready(
-    Photograph { frame, transfer, gamut, is_followed }: Photograph,
+    Photograph { frame, transfer, gamut, is_first_of_several }: Photograph,
     path: &Path,
     tones: Tones,
     note: &dyn Fn(PictureNote),
@@ -65,7 +65,7 @@ pub fn ready(
     if let Some(stated) = gamut {
         note(PictureNote::GamutNotApplied { path: path.to_owned(), stated });
     }
-    if is_followed {
+    if is_first_of_several {
         note(PictureNote::FirstOfSeveral { path: path.to_owned() });
     }
     let [from, to] = [frame.size(), whole_cells(frame.size())].map(|(height, width)| Size { width, height });

@@ -58,14 +58,14 @@ impl Engine {
     /// None that anybody has seen: the scenes are of one size.
     pub fn new(camera: Camera) -> Result<Self, Error> {
         let (height, width) = ROOM;
-        let drawn = |name: &'static str| {
+        let scene = |name: &'static str| {
             let light = match name.parse::<Builtin>() {
                 Ok(kind) => draw(kind, height, width, &[0.0], SEED)?.sharp(),
                 Err(_) => labels::draw(height, width, [0.0; 4], SEED)?.scene.sharp(),
             };
             Ok::<_, Error>((name, Arc::new(Subject::new(light))))
         };
-        let scenes = SCENES.into_iter().map(drawn).collect::<Result<_, _>>()?;
+        let scenes = SCENES.into_iter().map(scene).collect::<Result<_, _>>()?;
         Ok(Self {
             camera,
             scenes,

@@ -31,9 +31,9 @@ pub struct Ready {
     layers: [usize; 2],
 }
 
-/// What a page says of a network.
+/// A network as the page shows it.
 #[derive(Serialize)]
-pub struct Said {
+pub struct Summary {
     name: String,
     method: String,
     /// Those that are used, and those that it was trained with.
@@ -89,10 +89,10 @@ impl Networks {
 }
 
 impl Ready {
-    /// Returns what there is to say of the network behind a lens in a noise.
-    pub fn said(&self, camera: &Camera, noise: Noise) -> Said {
+    /// Returns the network as the page shows it behind a lens in a noise.
+    pub fn summary(&self, camera: &Camera, noise: Noise) -> Summary {
         let Self { method, origin, layers } = self;
-        Said {
+        Summary {
             name: origin.name.clone(),
             method: method.name().to_owned(),
             layers: *layers,

@@ -1,7 +1,7 @@
 //! Pictures of a state, in one binary answer: the length of a JSON text in four bytes (little end first), the text, then each picture's pixels, red, green, blue
 //! and 255, in the order in which the text lists them.
 
-use super::networks::{Choice, Ready, Said};
+use super::networks::{Choice, Ready, Summary};
 use crate::error::Error;
 use edof_core::camera::Camera;
 use edof_core::{Noise, Tone};
@@ -31,14 +31,14 @@ struct Shown {
     psnr_db: Option<f64>,
 }
 
-/// A lens as the commands take it, and what is said of its network.
+/// A lens as the commands take it, and its network.
 #[derive(Serialize)]
 struct Lens<'a> {
     camera: &'a Camera,
     psi: f64,
     noise: Noise,
     f_number: f64,
-    network: Said,
+    network: Summary,
 }
 
 #[derive(Serialize)]
@@ -92,7 +92,7 @@ pub fn depth_db(live: &mut Live<Method>, psi: f64, coded: &Behind, clear: &Behin
     Ok(DepthDb { psi, demosaiced, network, clear })
 }
 
-/// Returns all pictures and what is said of them.
+/// Returns all pictures and their figures.
 ///
 /// # Errors
 /// As [`depth_db`].
@@ -120,8 +120,8 @@ pub fn answer(
         width,
         height,
         pictures: all.iter().map(|(id, _, psnr_db)| Shown { id, psnr_db: *psnr_db }).collect(),
-        lens: coded.told(),
-        clear: clear.told(),
+        lens: coded.lens(),
+        clear: clear.lens(),
         train,
         seconds: begun.elapsed().as_secs_f64(),
     };
@@ -133,9 +133,9 @@ pub fn answer(
 }
 
 impl Behind {
-    fn told(&self) -> Lens<'_> {
+    fn lens(&self) -> Lens<'_> {
         let Shot { view: View { camera, psi }, sensor, .. } = &self.shot;
-        let network = self.network.said(camera, sensor.noise);
+        let network = self.network.summary(camera, sensor.noise);
         Lens { camera, psi: *psi, noise: sensor.noise, f_number: camera.f_number(), network }
     }
 }

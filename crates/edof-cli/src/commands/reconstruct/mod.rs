@@ -72,7 +72,7 @@ fn scenes(args: &Args, foci: &Foci) -> Result<Vec<Scene>, Error> {
     let folder = ends_with_slash || args.out.is_dir() || args.out.extension().is_none();
     if several && !folder {
         return Err(Error::message(format!(
-            "--out {}: {} frames need a folder, not a picture; name one, as in --out sharp/",
+            "--out {}: {} frames need a folder, not a picture; name one, as in --out sharp/, or give --weights of a network that takes so many exposures",
             args.out.display(),
             args.raw.len()
         )));

@@ -4,6 +4,7 @@ use super::Scene;
 use super::exposures::Foci;
 use crate::error::Error;
 use crate::lens::{self, BankFile, Lens};
+use crate::raw_words;
 use crate::said;
 use clap::ValueEnum;
 use edof::job::{Device, Engine, FixedOptions, FrameSource, ReconstructJob};
@@ -99,12 +100,12 @@ pub struct Args {
     pub(super) size: Option<Size>,
 
     /// Position of values of fewer than 16 bits in a word [default: bottom in headerless files, else top]
-    #[arg(long, value_parser = ["top", "bottom"])]
-    pub(super) align: Option<String>,
+    #[arg(long, value_parser = raw_words::alignment())]
+    pub(super) align: Option<Alignment>,
 
     /// Byte order of a headerless file
-    #[arg(long, value_parser = ["little", "big"], default_value = "little")]
-    pub(super) order: String,
+    #[arg(long, value_parser = raw_words::byte_order(), default_value = "little")]
+    pub(super) order: ByteOrder,
 
     /// Packing of a headerless file's pixels: words (16 bits each), bytes (8), mipi10, mipi12 (MIPI RAW10, RAW12), 10p, 12p (PFNC),
     /// 12packed (GigE Vision) or 2vuy (as --video) [default: words]
@@ -238,9 +239,9 @@ impl Args {
 
     /// A raw frame, and what the options state of it.
     fn source(&self, path: PathBuf, camera: Option<Camera>, sensor: Option<Arc<Correction>>) -> FrameSource {
-        let Self { phase, depth, size, packing, black_level, white_level, tone, .. } = *self;
-        let alignment = self.align.as_deref();
-        let alignment = alignment.map(|a| if a == "top" { Alignment::Top } else { Alignment::Bottom });
+        let Self {
+            phase, depth, align: alignment, order, size, packing, black_level, white_level, tone, ..
+        } = *self;
         FrameSource {
             path,
             stated: Stated { phase, depth, alignment, size, packing, black_level, white_level, tone, camera },
@@ -249,7 +250,7 @@ impl Args {
                 depth,
                 size,
                 alignment,
-                order: if self.order == "big" { ByteOrder::Big } else { ByteOrder::Little },
+                order,
                 packing: if self.video { Packing::Video } else { packing.unwrap_or_default() },
             },
             rendering: Rendering { white_balance: self.white_balance, matrix: self.colour_matrix },

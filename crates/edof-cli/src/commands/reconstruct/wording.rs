@@ -107,7 +107,7 @@ impl Wording<'_> {
         let value = match field {
             Field::Size => args.size.map(|size| size.to_string()),
             Field::BitDepth => args.depth.map(|depth| depth.to_string()),
-            Field::Alignment => args.align.clone(),
+            Field::Alignment => args.align.map(|alignment| alignment.to_string()),
             Field::Packing if args.video => return ("--video", String::new()),
             Field::Packing => args.packing.map(|packing| packing.name().to_owned()),
             _ => None,
@@ -176,7 +176,7 @@ impl Wording<'_> {
 
     /// What to do with a dark frame.
     fn of_dim(&self) -> &'static str {
-        match (self.args.depth, self.args.align.as_deref()) {
+        match (self.args.depth, self.args.align) {
             (None, None) if self.args.size.is_some() => {
                 "if its values have fewer than 16 bits, give --bit-depth"
             }

@@ -44,7 +44,7 @@ fn values(source: Source<'_>, options: &RawOptions) -> Result<Values, RawError> 
         words,
         depth: options.depth.unwrap_or(found),
         alignment: Alignment::Bottom,
-        is_followed: false,
+        is_first_of_several: false,
     })
 }
 

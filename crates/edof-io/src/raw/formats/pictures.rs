@@ -73,7 +73,7 @@ fn values(source: Source<'_>, options: &RawOptions) -> Result<Values, RawError> 
     let samples = picture::decode(&bytes, path)?;
     let (depth, alignment) = meaning(Format::of(&bytes), &samples, options.depth, path)?;
     let words = single_plane(samples, options.size, path)?;
-    Ok(Values { words, depth, alignment, is_followed: picture::is_followed(&bytes) })
+    Ok(Values { words, depth, alignment, is_first_of_several: picture::is_first_of_several(&bytes) })
 }
 
 /// Returns depth and alignment of a picture's samples.

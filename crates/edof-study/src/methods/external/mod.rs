@@ -290,9 +290,9 @@ mod tests {
     #[test]
     fn a_command_is_told_depth_and_noise() {
         let folder = tempfile::tempdir().unwrap();
-        let told = folder.path().join("told");
-        run(&format!("echo {{psi}} {{noise}} > {}; cp {{raw}} {{out}}", told.display()), 60).unwrap();
-        assert_eq!(std::fs::read_to_string(told).unwrap(), "2.5 0.01\n");
+        let notes = folder.path().join("notes");
+        run(&format!("echo {{psi}} {{noise}} > {}; cp {{raw}} {{out}}", notes.display()), 60).unwrap();
+        assert_eq!(std::fs::read_to_string(notes).unwrap(), "2.5 0.01\n");
     }
 
     /// A program that copies each frame, notes its start and its lines, and fails on the third frame where it is told to.

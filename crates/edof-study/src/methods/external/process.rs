@@ -44,8 +44,8 @@ impl Process {
         }
     }
 
-    /// What a process that has ended is blamed for: its status, and the last line of its error output.
-    fn blame(&mut self, command: &str, status: ExitStatus) -> String {
+    /// Returns why a process that has ended failed: its status, and the last line of its error output.
+    fn failure(&mut self, command: &str, status: ExitStatus) -> String {
         let mut text = Vec::new();
         let read = self.stderr.rewind().and_then(|()| self.stderr.read_to_end(&mut text));
         let text = read.map(|_| String::from_utf8_lossy(&text).into_owned()).unwrap_or_default();
@@ -77,7 +77,7 @@ pub(super) fn run_once(command: &str, text: &str, limit: Duration) -> Result<(),
     let mut process = Process::start(text, Stdio::null(), Stdio::null())?;
     match process.wait(limit).map_err(|e| reason(&e))? {
         Some(status) if status.success() => Ok(()),
-        Some(status) => Err(process.blame(command, status)),
+        Some(status) => Err(process.failure(command, status)),
         None => Err(format!("'{command}' took more than {}; --external-seconds allows more", count(limit))),
     }
 }
@@ -140,7 +140,7 @@ impl Served {
                     let status = self.process.wait(Duration::from_secs(1)).map_err(|e| reason(&e))?;
                     return Err(status.map_or_else(
                         || format!("'{}' has closed its output before it printed {what}", self.command),
-                        |status| self.process.blame(&self.command, status),
+                        |status| self.process.failure(&self.command, status),
                     ));
                 }
             }

@@ -174,9 +174,9 @@ const advice = server.latest(async ({ camera, electrons, read_noise_e }) => {
     const { lines, clear } = await server.advice({ camera, electrons, read_noise_e });
     const list = document.createElement("ul");
     list.append(...lines.filter((line) => line.startsWith("  ")).map((line) => Object.assign(document.createElement("li"), { textContent: line.trim() })));
-    const said = lines.filter((line) => !line.startsWith("  ")).map((line) => paragraph(line, line.startsWith("Advice") ? "advised" : ""));
-    said.splice(-1, 0, list);
-    at("advice").replaceChildren(...said);
+    const paragraphs = lines.filter((line) => !line.startsWith("  ")).map((line) => paragraph(line, line.startsWith("Advice") ? "advised" : ""));
+    paragraphs.splice(-1, 0, list);
+    at("advice").replaceChildren(...paragraphs);
     adviceKey = key;
     if (clear && JSON.stringify(clear) !== JSON.stringify(controlled.state.clear)) controlled.move({ clear });
   } catch (error) {
