@@ -18,7 +18,7 @@ module prove (
     wire ready, arrived;
     wire [11:0] descriptor;
     wire [31:0] pair_a, pair_b;
-    dense_store dut (
+    dense_store #(.DENSE(1)) dut (
         .clock_i(clock_i), .reset_i(reset_i), .valid_i(valid_i), .ready_o(ready), .data_i(data_i), .last_i(last_i), .set_i(set_i),
         .arrived_o(arrived), .descriptor_o(descriptor), .read_row_i(read_row_i), .pair_a_o(pair_a), .pair_b_o(pair_b), .finished_i(finished_i)
     );

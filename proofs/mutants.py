@@ -85,6 +85,10 @@ def sites(text):
         at = re.fullmatch(r"(\s*(?:if \(.*\) |else |else if \(.*\) |\d+'d\d+: )?)([\w\[\]:]+ (<=|=) .*;)\s*", code)
         if at and not code.strip().startswith(("assign", "wire", "localparam")):
             add("dropped", f"{at[1]};")
+        # A register less in a row of registers that are cleared together, `{a_q, b_q} <= 0;`, or in one line of it.
+        at = re.fullmatch(r"(\s*(?:if \(.*\) |else )?\{?)(\w+_q(?:, \w+_q)+)(,|\} <= 0;)\s*", code)
+        for name in at[2].split(", ") if at else []:
+            add("uncleared", at[1] + ", ".join(other for other in at[2].split(", ") if other != name) + at[3])
         for at in re.finditer(r"\[(\d+)\]", code):
             if int(at[1]) > 0:
                 add("bit-below", f"{code[:at.start()]}[{int(at[1]) - 1}]{code[at.end():]}")

@@ -25,7 +25,7 @@ module prove #(
     wire ready, arrived;
     wire [11:0] descriptor;
     wire [24:0] even_pair, odd_pair;
-    pair_store #(.TWO_ROWS(TWO_ROWS)) dut (
+    pair_store #(.DENSE(0), .TWO_ROWS(TWO_ROWS)) dut (
         .clock_i(clock_i), .reset_i(reset_i), .skip_zeros_i(skip), .valid_i(valid_i), .ready_o(ready), .even_i(even_i), .odd_i(odd_i),
         .last_i(last_i), .set_i(set_i), .arrived_o(arrived), .descriptor_o(descriptor), .read_row_i(read_row_i),
         .even_pair_o(even_pair), .odd_pair_o(odd_pair), .finished_i(finished_i)

@@ -12,41 +12,18 @@
 // screen are locked.
 `default_nettype none
 module kc705_top (
-    input  wire        sysclk_p,
-    input  wire        sysclk_n,
-    input  wire        cpu_reset,
-    output wire [7:0]  leds,
-    output wire        fan_pwm,
-    input  wire        uart_rx,
-    output wire        uart_tx,
-    inout  wire        iic_scl,
-    inout  wire        iic_sda,
-    output wire        iic_mux_reset_n,
-    inout  wire        fmc_iic_scl,
-    inout  wire        fmc_iic_sda,
-    output wire        fmc_iic_reset_n,
-    input  wire        hdmi_rx_clk,
-    input  wire [15:0] hdmi_rx_data,
-    output wire        hdmi_tx_clk,
-    output wire        hdmi_tx_hsync,
-    output wire        hdmi_tx_vsync,
-    output wire        hdmi_tx_de,
+    input wire sysclk_p, input wire sysclk_n, input wire cpu_reset,
+    output wire [7:0] leds, output wire fan_pwm,
+    input wire uart_rx, output wire uart_tx,
+    inout wire iic_scl, inout wire iic_sda, output wire iic_mux_reset_n,
+    inout wire fmc_iic_scl, inout wire fmc_iic_sda, output wire fmc_iic_reset_n,
+    input wire hdmi_rx_clk, input wire [15:0] hdmi_rx_data,
+    output wire hdmi_tx_clk, output wire hdmi_tx_hsync, output wire hdmi_tx_vsync, output wire hdmi_tx_de,
     output wire [15:0] hdmi_tx_data,
-    output wire [13:0] ddr3_addr,
-    output wire [2:0]  ddr3_ba,
-    output wire        ddr3_ras_n,
-    output wire        ddr3_cas_n,
-    output wire        ddr3_we_n,
-    output wire [0:0]  ddr3_ck_p,
-    output wire [0:0]  ddr3_ck_n,
-    output wire [0:0]  ddr3_cke,
-    output wire [0:0]  ddr3_cs_n,
-    output wire [7:0]  ddr3_dm,
-    output wire [0:0]  ddr3_odt,
-    output wire        ddr3_reset_n,
-    inout  wire [63:0] ddr3_dq,
-    inout  wire [7:0]  ddr3_dqs_p,
-    inout  wire [7:0]  ddr3_dqs_n
+    output wire [13:0] ddr3_addr, output wire [2:0] ddr3_ba, output wire ddr3_ras_n, output wire ddr3_cas_n,
+    output wire ddr3_we_n, output wire [0:0] ddr3_ck_p, output wire [0:0] ddr3_ck_n, output wire [0:0] ddr3_cke,
+    output wire [0:0] ddr3_cs_n, output wire [7:0] ddr3_dm, output wire [0:0] ddr3_odt, output wire ddr3_reset_n,
+    inout wire [63:0] ddr3_dq, inout wire [7:0] ddr3_dqs_p, inout wire [7:0] ddr3_dqs_n
 );
     // Clocks. The controller's user clock feeds all that are made here: a second load on the oscillator's buffer may not be placed.
     wire sysclk;
@@ -60,36 +37,22 @@ module kc705_top (
     // @core_mhz@ MHz / @calculator_divide@ * @calculator_multiply@ / @calculator_output@ = @calculator_mhz@ MHz.
     wire calculator_feedback, calculator_unbuffered, calculator_clock, calculator_locked;
     MMCME2_BASE #(
-        .CLKIN1_PERIOD(@core_period@),
-        .DIVCLK_DIVIDE(@calculator_divide@),
-        .CLKFBOUT_MULT_F(@calculator_multiply@),
+        .CLKIN1_PERIOD(@core_period@), .DIVCLK_DIVIDE(@calculator_divide@), .CLKFBOUT_MULT_F(@calculator_multiply@),
         .CLKOUT0_DIVIDE_F(@calculator_output@)
     ) calculator_mmcm (
-        .CLKIN1(core_clock),
-        .CLKFBIN(calculator_feedback),
-        .CLKFBOUT(calculator_feedback),
-        .CLKOUT0(calculator_unbuffered),
-        .LOCKED(calculator_locked),
-        .PWRDWN(1'b0),
-        .RST(core_clock_reset)
+        .CLKIN1(core_clock), .CLKFBIN(calculator_feedback), .CLKFBOUT(calculator_feedback), .CLKOUT0(calculator_unbuffered),
+        .LOCKED(calculator_locked), .PWRDWN(1'b0), .RST(core_clock_reset)
     );
     BUFG calculator_clock_buffer (.I(calculator_unbuffered), .O(calculator_clock));
 
     // @core_mhz@ MHz / @screen_divide@ * @screen_multiply@ / @screen_output@ = @screen_mhz@ MHz.
     wire screen_feedback, screen_unbuffered, screen_clock, screen_locked;
     MMCME2_BASE #(
-        .CLKIN1_PERIOD(@core_period@),
-        .DIVCLK_DIVIDE(@screen_divide@),
-        .CLKFBOUT_MULT_F(@screen_multiply@),
+        .CLKIN1_PERIOD(@core_period@), .DIVCLK_DIVIDE(@screen_divide@), .CLKFBOUT_MULT_F(@screen_multiply@),
         .CLKOUT0_DIVIDE_F(@screen_output@)
     ) screen_mmcm (
-        .CLKIN1(core_clock),
-        .CLKFBIN(screen_feedback),
-        .CLKFBOUT(screen_feedback),
-        .CLKOUT0(screen_unbuffered),
-        .LOCKED(screen_locked),
-        .PWRDWN(1'b0),
-        .RST(core_clock_reset)
+        .CLKIN1(core_clock), .CLKFBIN(screen_feedback), .CLKFBOUT(screen_feedback), .CLKOUT0(screen_unbuffered),
+        .LOCKED(screen_locked), .PWRDWN(1'b0), .RST(core_clock_reset)
     );
     BUFG screen_clock_buffer (.I(screen_unbuffered), .O(screen_clock));
 
@@ -98,13 +61,10 @@ module kc705_top (
     edof_debounce cpu_reset_button (.clock_i(core_clock), .line_i(cpu_reset), .level_o(button));
     wire dram_locked_seen, calculator_locked_seen, screen_locked_seen;
     edof_sync #(.WIDTH(3)) locks (
-        .clock_i(core_clock),
-        .from_i({dram_locked, calculator_locked, screen_locked}),
+        .clock_i(core_clock), .from_i({dram_locked, calculator_locked, screen_locked}),
         .to_o({dram_locked_seen, calculator_locked_seen, screen_locked_seen})
     );
-    reg reset_q = 1'b1;
-    reg calculator_reset_q = 1'b1;
-    reg screen_reset_q = 1'b1;
+    reg reset_q = 1'b1, calculator_reset_q = 1'b1, screen_reset_q = 1'b1;
     always @(posedge core_clock) begin
         reset_q <= core_clock_reset | button | !dram_locked_seen;
         calculator_reset_q <= !calculator_locked_seen;
@@ -125,10 +85,7 @@ module kc705_top (
         de_q <= screen_de;
         data_q <= screen_data;
     end
-    assign hdmi_tx_hsync = hsync_q;
-    assign hdmi_tx_vsync = vsync_q;
-    assign hdmi_tx_de = de_q;
-    assign hdmi_tx_data = data_q;
+    assign hdmi_tx_hsync = hsync_q, hdmi_tx_vsync = vsync_q, hdmi_tx_de = de_q, hdmi_tx_data = data_q;
     ODDR #(.DDR_CLK_EDGE("SAME_EDGE")) screen_clock_out (
         .C(screen_clock), .CE(1'b1), .D1(1'b0), .D2(1'b1), .R(1'b0), .S(1'b0), .Q(hdmi_tx_clk)
     );
@@ -139,8 +96,7 @@ module kc705_top (
     IOBUF iic_sda_pad (.I(1'b0), .O(sda[0]), .T(!sda_low[0]), .IO(iic_sda));
     IOBUF fmc_iic_scl_pad (.I(1'b0), .O(scl[1]), .T(!scl_low[1]), .IO(fmc_iic_scl));
     IOBUF fmc_iic_sda_pad (.I(1'b0), .O(sda[1]), .T(!sda_low[1]), .IO(fmc_iic_sda));
-    assign iic_mux_reset_n = !button;
-    assign fmc_iic_reset_n = !button;
+    assign iic_mux_reset_n = !button, fmc_iic_reset_n = !button;
 
     wire [6:0] states;
     assign leds = {calculator_locked_seen & screen_locked_seen, states};

@@ -331,7 +331,7 @@ fn co_simulation_finds_a_fault_in_the_files_of_a_folder() {
     assert_eq!((run.code, run.out.as_str()), (Some(1), ""), "{}", run.err);
     let told = run.err.lines().last().unwrap();
     // What differs is named in Verilog and in Rust.
-    let driver = ["driven at stage_i.v:", ", from crates/edof-hdl/src/blocks/stage.rs"];
+    let driver = ["driven at stage.v:", ", from crates/edof-hdl/src/blocks/stage.rs"];
     let words = ["edof: stage I (I to M1), patch ", "expected 32767, got 32766", "waveform fault."];
     let words: Vec<&str> = words.into_iter().chain(driver).collect();
     assert!(words.iter().all(|word| told.contains(word)), "{told}");

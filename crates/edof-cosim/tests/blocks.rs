@@ -272,7 +272,7 @@ fn dense_store() {
         design.stages[0].rows = rows;
         let stage = design.stage(0);
         let beats = stage.beats_in() as u64;
-        agree(DenseStore::new(&stage), 600, &[], move |b, draw, last| {
+        agree(DenseStore::new(&stage, true), 600, &[], move |b, draw, last| {
             drive_store!(b, draw, last, beats);
             b.read_row.next = (128 * draw.whole(0, 3) as u64
                 + draw.whole(0, (beats / rows as u64) as i64 - 1) as u64)
@@ -401,7 +401,7 @@ fn pair_operands() {
 
 #[test]
 fn dense_operands() {
-    agree(DenseOperands::default(), 8, &[], |b, draw, _| {
+    agree(DenseOperands::new(true), 8, &[], |b, draw, _| {
         b.valid.next = draw.whole(0, 3) > 0;
         b.first.next = bit(draw);
         b.odd.next = bit(draw);

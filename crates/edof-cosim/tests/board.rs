@@ -156,13 +156,13 @@ fn the_top_elaborates_with_the_memory_controller_as_a_black_box() {
 fn ports(verilog: &str) -> BTreeSet<String> {
     let header = verilog.split_once(");\n").unwrap().0;
     let mut found = BTreeSet::new();
-    for line in header
-        .lines()
+    for port in header
+        .split([',', '\n'])
         .map(str::trim)
         .filter(|l| l.starts_with("input") || l.starts_with("output") || l.starts_with("inout"))
     {
-        let name = line.trim_end_matches(',').split_whitespace().last().unwrap();
-        match line.split_once('[').and_then(|(_, rest)| rest.split_once(':')) {
+        let name = port.split_whitespace().last().unwrap();
+        match port.split_once('[').and_then(|(_, rest)| rest.split_once(':')) {
             Some((high, _)) => {
                 found.extend((0..=high.parse::<usize>().unwrap()).map(|bit| format!("{name}[{bit}]")))
             }

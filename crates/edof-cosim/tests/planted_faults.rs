@@ -163,7 +163,7 @@ fn a_difference_names_what_drives_it_in_verilog_and_in_rust() {
         let (file, line) = place.verilog.split_once(':').unwrap();
         let text = &project.verilog.iter().find(|(name, _)| name == file).unwrap().1;
         let line = text.lines().nth(line.parse::<usize>().unwrap() - 1).unwrap();
-        assert!(file == "stage_mf.v" && line.contains(port), "{place}: {line}");
+        assert!(file == "stage.v" && line.contains(port), "{place}: {line}");
         assert!(place.rust.starts_with("crates/edof-hdl/src/blocks/stage.rs"), "{place}");
         if fault != Fault::Late {
             let (_, line) = place.rust.split_once(':').unwrap();

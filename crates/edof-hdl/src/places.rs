@@ -6,7 +6,7 @@ use std::fmt::{self, Write};
 /// Where something is driven, in Verilog and in Rust.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
-    /// File and line, for instance `stage_i.v:77`.
+    /// File and line, for instance `stage.v:77`.
     pub verilog: String,
     /// Rust source line; empty if an instance drives the signal.
     pub rust: String,

@@ -146,7 +146,11 @@ impl Logic {
             Style::Readable => tidy(simplify::simplify(scope, tidy(process))),
             Style::Literal => process,
         };
-        let processes = cut.into_iter().map(simple).chain(edge.map(tidy)).collect();
+        let chosen = |process: Process| match style {
+            Style::Readable => Process::of(simplify::choices(scope, process.statements), process.origin),
+            Style::Literal => process,
+        };
+        let processes = cut.into_iter().map(simple).chain(edge.map(tidy)).map(chosen).collect();
         Ok(Self { blocks, processes })
     }
 }

@@ -118,10 +118,9 @@ impl Sheet {
     ) -> (String, Vec<Option<usize>>) {
         let mut text = self.header.clone() + &format!("`default_nettype none\nmodule {name} ");
         if !interface.parameters.is_empty() {
-            let lines: Vec<(String, String)> = (interface.parameters.iter())
-                .map(|parameter| (parameter.declaration(), parameter.comment.clone()))
-                .collect();
-            text += &format!("#(\n{}) ", list(&lines));
+            let parameters = interface.parameters.iter();
+            let lines = parameters.map(|parameter| (parameter.declaration(), parameter.comment.clone()));
+            text += &format!("#(\n{}) ", list(&in_rows(lines)));
         }
         text += &format!("(\n{});\n", list(&self.ports));
         let mut constants = self.fixed(interface);
@@ -175,7 +174,10 @@ impl Sheet {
         let mut lines: Vec<(String, String)> = vec![];
         let mut shared = "";
         let fixed = self.constants.iter().zip(&interface.slots).filter(|(_, slot)| !slot.is_parameter);
-        let (derived, given): (Vec<_>, Vec<_>) = fixed.partition(|(constant, _)| constant.formula.is_some());
+        let (derived, mut given): (Vec<_>, Vec<_>) = fixed.partition(|(constant, _)| constant.formula.is_some());
+        let types: Vec<String> = given.iter().map(|(constant, _)| constant.of_type.clone()).collect();
+        let of_its_type = |constant: &Constant| types.iter().position(|of_type| *of_type == constant.of_type);
+        given.sort_by_key(|(constant, _)| (!constant.comment.is_empty(), of_its_type(constant)));
         for (Constant { name, of_type, comment, .. }, slot) in given.into_iter().chain(derived) {
             let value = format!("{name} = {}", slot.text);
             match lines.last_mut() {
@@ -237,16 +239,36 @@ fn is_row(before: (&Of, usize), now: (&Of, usize)) -> bool {
 
 /// Whether the lines are few wires, all of which the instance reads.
 fn feeds(lines: &[String], instance: &[String]) -> bool {
-    let is_read = |line: &String| {
-        let Some((declared, _)) = code(line).strip_prefix("wire ").and_then(|rest| rest.split_once(" = "))
-        else {
-            return line.starts_with("//");
-        };
-        let name = declared.rsplit(' ').next().unwrap_or_default();
-        let is_word = |c: char| c.is_alphanumeric() || c == '_';
-        instance.iter().any(|line| line.split(|c| !is_word(c)).any(|word| word == name))
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let reads = |name: &str| instance.iter().any(|line| line.split(|c| !is_word(c)).any(|word| word == name));
+    let is_read = |line: &String| match code(line).strip_prefix("wire ") {
+        // Each name stands before its value.
+        Some(rest) if rest.contains(" = ") => {
+            let names = rest.split(" = ").map(|before| before.rsplit(' ').next().unwrap_or_default());
+            let count = rest.matches(" = ").count();
+            names.take(count).all(reads)
+        }
+        _ => line.starts_with("//"),
     };
     lines.len() <= SHORT && lines.iter().all(is_read)
+}
+
+/// Declarations without comments, as many as a line takes.
+fn in_rows(declarations: impl Iterator<Item = (String, String)>) -> Vec<(String, String)> {
+    let mut rows: Vec<(String, String)> = vec![];
+    for (declaration, comment) in declarations {
+        match rows.last_mut() {
+            Some((row, said))
+                if said.is_empty()
+                    && comment.is_empty()
+                    && row.len() + declaration.len() + 6 <= WIDTH =>
+            {
+                *row += &format!(", {declaration}");
+            }
+            _ => rows.push((declaration, comment)),
+        }
+    }
+    rows
 }
 
 /// Lines in a bracket: commas between, comments behind. Empty lines part groups.

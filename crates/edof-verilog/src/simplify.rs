@@ -33,6 +33,52 @@ pub(crate) fn simplify(scope: &Scope, process: Process) -> Process {
     }
 }
 
+/// The statements with `x = c ? b : a` for `x = a; if (c) x = b;`, where that is one short choice. Resets stay as they are.
+pub(crate) fn choices(scope: &Scope, statements: Vec<Statement>) -> Vec<Statement> {
+    let mut kept: Vec<Statement> = vec![];
+    for statement in statements {
+        let statement = match statement {
+            Statement::If { test, then, otherwise } => {
+                let (then, otherwise) = (choices(scope, then), choices(scope, otherwise));
+                Statement::If { test, then, otherwise }
+            }
+            Statement::Case { subject, mut arms, default } => {
+                arms.iter_mut().for_each(|arm| arm.body = choices(scope, std::mem::take(&mut arm.body)));
+                Statement::Case { subject, arms, default: default.map(|body| choices(scope, body)) }
+            }
+            other => other,
+        };
+        let last = kept.iter().rposition(|statement| !statement.is_silent());
+        match last.and_then(|last| Some((last, chosen(scope, &kept[last], &statement)?))) {
+            Some((last, assign)) => {
+                kept[last] = Statement::Assign(assign);
+                kept.truncate(last + 1);
+            }
+            None => kept.push(statement),
+        }
+    }
+    kept
+}
+
+/// One assignment for the last and the next statement, where the next gives the same target another value under a condition.
+fn chosen(scope: &Scope, last: &Statement, next: &Statement) -> Option<Assign> {
+    let (Statement::Assign(assign), Statement::If { test, then, otherwise }) = (last, next) else { return None };
+    let mut body = then.iter().filter(|statement| !statement.is_silent());
+    let (Some(Statement::Assign(set)), None, []) = (body.next(), body.next(), &otherwise[..]) else {
+        return None;
+    };
+    let is_whole = set.target == assign.target && set.at.is_none() && assign.at.is_none();
+    let reads = [test, &set.value, &assign.value].iter().any(|value| value.reads(assign.target));
+    let is_reset = matches!(test.node, Node::Signal(id) if scope.signals[id].key.ends_with("reset"));
+    if !is_whole || reads || is_reset {
+        return None;
+    }
+    let value = tidy::expression(choose(test.clone(), set.value.clone(), assign.value.clone()));
+    let mut choices = 0;
+    value.walk(&mut |part| choices += usize::from(matches!(part.node, Node::Choose(..))));
+    (choices <= 1 && is_short(scope, &value)).then(|| Assign { value, ..assign.clone() })
+}
+
 fn is_short(scope: &Scope, value: &Expression) -> bool {
     let (mut letters, mut choices, mut decides) = (0, 0, false);
     value.walk(&mut |part| {

@@ -1,12 +1,12 @@
 //! Statements as the lines of a block.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
-use crate::expression::Expression;
+use crate::expression::{Expression, Node};
 use crate::kernel::{Arm, Assign, Label, Note, Statement};
 use crate::layout::{PLACE, WIDTH, code};
 use crate::print::{Between, Printer};
-use crate::scope::SignalId;
+use crate::scope::{Role, SignalId};
 use crate::text::{Use, literal, range};
 
 /// A statement stands behind its condition or label as long as both are shorter than a line less the indentation that blocks have.
@@ -57,12 +57,61 @@ impl Printer<'_> {
     }
 
     fn lines(&mut self, statements: &[Statement]) -> Vec<String> {
+        let rows = if self.at_edge { self.cleared_together(statements) } else { BTreeMap::new() };
         let mut lines = vec![];
-        for statement in statements {
-            let new = self.statement(statement);
+        for (n, statement) in statements.iter().enumerate() {
+            let new = match rows.get(&n) {
+                Some(row) if row.len() > 1 => vec![self.cleared(row)],
+                Some(row) if row.is_empty() => vec![],
+                _ => self.statement(statement),
+            };
             lines.extend(new.into_iter().map(|line| self.placed(line)));
         }
         lines
+    }
+
+    /// For each statement that clears a register, the registers that one row clears in its place: those of statements after it, too, and none in
+    /// place of these. Only constants that other registers take, and no words, stand between them.
+    fn cleared_together(&self, statements: &[Statement]) -> BTreeMap<usize, Vec<SignalId>> {
+        let is_constant = |value: &Expression| match value.node {
+            Node::Signal(id) => matches!(self.scope.signals[id].role, Role::Constant(_)),
+            Node::Literal(_) | Node::State(_) => true,
+            _ => false,
+        };
+        let mut rows: BTreeMap<usize, Vec<SignalId>> = BTreeMap::new();
+        let mut row = None;
+        let mut between = BTreeSet::new();
+        for (n, statement) in statements.iter().enumerate() {
+            match statement {
+                silent if silent.is_silent() => {}
+                Statement::Assign(Assign { target, at: None, value, .. }) if is_constant(value) => {
+                    if value.constant() != Some(0) {
+                        between.insert(*target);
+                    } else if let Some(first) = row.filter(|_| !between.contains(target)) {
+                        let row = rows.entry(first).or_default();
+                        if !row.contains(target) {
+                            row.push(*target);
+                        }
+                        rows.insert(n, vec![]);
+                    } else {
+                        row = Some(n);
+                        rows.insert(n, vec![*target]);
+                        between.clear();
+                    }
+                }
+                _ => row = None,
+            }
+        }
+        rows
+    }
+
+    /// Registers that become 0 together: `{count_q, valid_q} <= 0;`.
+    fn cleared(&self, registers: &[SignalId]) -> String {
+        let name = |next: &SignalId| {
+            let register = self.scope.registers.iter().find(|register| register.next == *next);
+            self.signal_names[register.map_or(*next, |register| register.value)].as_str()
+        };
+        format!("{{{}}} <= 0;", registers.iter().map(name).collect::<Vec<_>>().join(", "))
     }
 
     /// The line with the number of the Rust line that it comes from.

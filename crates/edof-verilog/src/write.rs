@@ -105,7 +105,10 @@ impl Writer<'_> {
         };
         let line = |id: &SignalId| {
             let ty = of_type(self.scope.signals[*id].ty);
-            (format!("{} {ty}{}", kind(*id), self.signal_name(*id)), self.said(*id))
+            // That a clock is a clock needs no words.
+            let said = self.said(*id);
+            let said = if said == "Clock." { String::new() } else { said };
+            (format!("{} {ty}{}", kind(*id), self.signal_name(*id)), said)
         };
         let mut lines: Vec<(String, String)> = vec![];
         let has_bundles = self.ports.iter().any(|id| self.channel(*id).is_some());
@@ -116,6 +119,10 @@ impl Writer<'_> {
                 lines.push((String::new(), String::new()));
             }
             match lines.last_mut() {
+                Some((last, comment)) if comment.is_empty() && n == 1 && self.group(*id) == "clock" => {
+                    *last += &format!(", {port}");
+                    *comment = said;
+                }
                 Some((last, comment))
                     if said.is_empty()
                         && comment.is_empty()
@@ -417,26 +424,32 @@ impl Writer<'_> {
     }
 }
 
-/// Adds lines to a run of assignments. Names that are given to outputs stand side by side: `assign data_o = data_q, last_o = last_q;`.
+/// Adds lines to a run of assignments. Names and numbers stand side by side: `assign data_o = data_q, last_o = last_q;`, and so do wires of one type.
 fn extend(run: &mut Vec<String>, lines: Vec<String>) {
-    let names = |line: &str| {
-        let pairs = code(line).strip_prefix("assign ")?.strip_suffix(';')?.to_string();
-        let is_name = |c: char| c.is_alphanumeric() || "_[]:".contains(c);
-        let are_names = pairs
-            .split(", ")
-            .all(|pair| pair.split_once(" = ").is_some_and(|(_, value)| value.chars().all(is_name)));
-        are_names.then_some(pairs)
-    };
     for line in lines {
-        let both = run.last().and_then(|last| Some((names(last)?, names(&line)?)));
+        let both = run.last().and_then(|last| Some((given(last)?, given(&line)?)));
         match (run.last_mut(), both) {
-            (Some(last), Some((before, new))) if before.len() + new.len() + 12 <= WIDTH => {
+            (Some(last), Some(((kind, before), (also, new))))
+                if kind == also && kind.len() + before.len() + new.len() + 6 <= WIDTH =>
+            {
                 let place = last[code(last).len()..].to_string();
-                *last = format!("assign {before}, {new};{place}");
+                *last = format!("{kind}{before}, {new};{place}");
             }
             _ => run.push(line),
         }
     }
+}
+
+/// `wire [7:0] ` or `assign `, and what follows, of a line that gives names or numbers to signals and does no more.
+fn given(line: &str) -> Option<(String, String)> {
+    let line = code(line).strip_suffix(';')?;
+    let (first, _) = line.split_once(" = ")?;
+    let (kind, _) = first.rsplit_once(' ')?;
+    let pairs = line.get(kind.len() + 1..)?;
+    let is_plain = |c: char| c.is_alphanumeric() || "_[]:'!".contains(c);
+    let are_plain = (pairs.split(", "))
+        .all(|pair| pair.split_once(" = ").is_some_and(|(_, value)| value.chars().all(is_plain)));
+    ((kind == "assign" || kind.starts_with("wire")) && are_plain).then(|| (format!("{kind} "), pairs.into()))
 }
 
 /// Declarations: signals of one type share lines that are no longer than a line should be.

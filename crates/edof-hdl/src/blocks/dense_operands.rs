@@ -1,13 +1,13 @@
 //! From what a step read to a row of weights and values (I).
 
-use super::delay::Delay;
+use super::delay::DelayOf;
 use super::{Pair, Row, Word};
 use crate::describe::{Circuit, kernel};
 use rust_hdl::prelude::*;
 
 /// From what a step read to a row of weights and up to four values, four cycles after the step. Values without work are 0.
 #[derive(Circuit)]
-#[circuit(default(Delay), registers(clock))]
+#[circuit(registers(clock))]
 pub struct DenseOperands {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -42,9 +42,14 @@ pub struct DenseOperands {
     /// Of the fourth.
     pub value_d: Signal<Out, Bits<25>>,
     row: DFF<Row>,
-    flags_to_2: Delay<3, 2>,
-    row_to_4: Delay<12, 3>,
-    first_to_4: Delay<1, 2>,
+    /// 1 in the stage that is dense (I); in others the delays are absent.
+    dense: Constant<Bit>,
+    #[is(CYCLES = if dense { 2 } else { 0 })]
+    flags_to_2: DelayOf<3>,
+    #[is(CYCLES = if dense { 3 } else { 0 })]
+    row_to_4: DelayOf<12>,
+    #[is(CYCLES = if dense { 2 } else { 0 })]
+    first_to_4: DelayOf<1>,
     value_a_3: DFF<Word>,
     value_b_3: DFF<Word>,
     value_c_3: DFF<Word>,
@@ -58,6 +63,20 @@ pub struct DenseOperands {
     wide_b: Signal<Local, Bits<25>>,
     wide_c: Signal<Local, Bits<25>>,
     wide_d: Signal<Local, Bits<25>>,
+}
+
+impl DenseOperands {
+    /// Those of an I stage; without `is_dense` those of another, which are 0.
+    #[must_use]
+    pub fn new(is_dense: bool) -> Self {
+        let cycles = |cycles: usize| if is_dense { cycles } else { 0 };
+        Self::from_parts(DenseOperandsParts {
+            dense: Constant::new(is_dense),
+            flags_to_2: DelayOf::new(cycles(2)),
+            row_to_4: DelayOf::new(cycles(3)),
+            first_to_4: DelayOf::new(cycles(2)),
+        })
+    }
 }
 
 impl Logic for DenseOperands {

@@ -42,6 +42,9 @@ pub struct DenseStore {
     pub pair_d: Signal<Out, Pair>,
     /// Frees the slot that is read.
     pub finished: Signal<In, Bit>,
+    /// 1 in the stage that is dense (I); in others the memories are absent.
+    dense: Constant<Bit>,
+    #[is(DEPTH = if dense { 512 } else { 0 })]
     parts: Vec<Ram<32>>,
     part_ids: Vec<Constant<Bits<2>>>,
     last_row: Constant<Bits<7>>,
@@ -78,13 +81,14 @@ pub struct DenseStore {
 }
 
 impl DenseStore {
-    /// The store of an I stage.
+    /// The store of stage `stage`, an I. Without `is_dense` it is that of another stage of the design, which has no memory.
     #[must_use]
-    pub fn new(stage: &StagePlan) -> Self {
-        let shape = Shape::registered(timing::SLOTS * super::SLOT_ROWS);
+    pub fn new(stage: &StagePlan, is_dense: bool) -> Self {
+        let shape = Shape::registered(if is_dense { timing::SLOTS * super::SLOT_ROWS } else { 0 });
         let steps = stage.segment() as u64;
         let single = if steps == 1 { 8 } else { 0 };
         Self::from_parts(DenseStoreParts {
+            dense: Constant::new(is_dense),
             parts: (0..stage.rows).map(|_| Ram::new(shape.clone(), &[])).collect(),
             part_ids: (0..stage.rows as u64).map(|part| Constant::new(part.into())).collect(),
             last_row: Constant::new(((stage.segment() / BEAT) as u64 - 1).into()),

@@ -45,7 +45,7 @@ pub mod start;
 pub mod window_guard;
 pub mod window_ring;
 
-use edof_device::design::{Kind, StagePlan};
+use edof_device::design::StagePlan;
 use rust_hdl::prelude::{Bits, Constant};
 
 /// A 16-bit word of a vector, in two's complement.
@@ -72,12 +72,7 @@ fn whole(number: usize) -> Constant<Whole> {
     Constant::new((number as u64).into())
 }
 
-/// Suffix of a stage's module name: I takes every element of a vector, M and F are one module with parameters.
+/// Suffix of a stage's module name: one that sends differences is another module.
 fn role(stage: &StagePlan) -> String {
-    match stage.kind {
-        Kind::I => "i",
-        _ if stage.sends_difference => "m_difference",
-        _ => "mf",
-    }
-    .into()
+    if stage.sends_difference { "difference".into() } else { String::new() }
 }

@@ -1,6 +1,6 @@
 //! From what a step read to rows of weights and values (M, F).
 
-use super::delay::Delay;
+use super::delay::DelayOf;
 use super::{IndexedValue, Pair, Row, Word};
 use crate::describe::{Circuit, kernel};
 use edof_device::design::{Kind, StagePlan};
@@ -9,7 +9,7 @@ use rust_hdl::prelude::*;
 /// From what a step read to rows of weights and values, four cycles after the step: pairs, or pixels of the window (F), shifted left
 /// where F aligns its two sums. A value without work is 0.
 #[derive(Circuit)]
-#[circuit(default(Delay), registers(clock))]
+#[circuit(registers(clock))]
 pub struct PairOperands {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -51,9 +51,14 @@ pub struct PairOperands {
     pub value_b: Signal<Out, Bits<25>>,
     aligns: Constant<Bit>,
     two_rows: Constant<Bit>,
-    flags_to_2: Delay<6, 2>,
-    rows_to_2: Delay<24, 2>,
-    first_to_4: Delay<1, 2>,
+    /// 1 in the stage that is dense (I), where the delays are absent.
+    dense: Constant<Bit>,
+    #[is(CYCLES = if dense { 0 } else { 2 })]
+    flags_to_2: DelayOf<6>,
+    #[is(CYCLES = if dense { 0 } else { 2 })]
+    rows_to_2: DelayOf<24>,
+    #[is(CYCLES = if dense { 0 } else { 2 })]
+    first_to_4: DelayOf<1>,
     value_a_3: DFF<Word>,
     value_b_3: DFF<Word>,
     base_3: DFF<Row>,
@@ -73,12 +78,17 @@ pub struct PairOperands {
 }
 
 impl PairOperands {
-    /// Those of an M or F stage.
+    /// Those of an M or F stage; those of an I are 0.
     #[must_use]
     pub fn new(stage: &StagePlan) -> Self {
+        let cycles = if stage.is_dense() { 0 } else { 2 };
         Self::from_parts(PairOperandsParts {
+            dense: Constant::new(stage.is_dense()),
+            flags_to_2: DelayOf::new(cycles),
+            rows_to_2: DelayOf::new(cycles),
+            first_to_4: DelayOf::new(cycles),
             aligns: Constant::new(stage.kind == Kind::F),
-            two_rows: Constant::new(stage.rows == 2),
+            two_rows: Constant::new(stage.reads_both_ports()),
         })
     }
 }

@@ -43,7 +43,11 @@ pub struct PairStore {
     pub odd_pair: Signal<Out, IndexedValue>,
     /// Frees the slot that is read.
     pub finished: Signal<In, Bit>,
+    /// 1 in the stage that is dense (I), where the memories are absent.
+    dense: Constant<Bit>,
+    #[is(DEPTH = if dense { 0 } else { 512 })]
     even_pairs: Ram<25>,
+    #[is(DEPTH = if dense { 0 } else { 512 })]
     odd_pairs: Ram<25>,
     two_rows: Constant<Bit>,
     all_slots: Constant<Bits<3>>,
@@ -103,14 +107,15 @@ pub struct PairStore {
 }
 
 impl PairStore {
-    /// The store of an M or F stage.
+    /// The store of an M or F stage; that of an I has no memory.
     #[must_use]
     pub fn new(stage: &StagePlan) -> Self {
-        let shape = Shape::registered(timing::SLOTS * super::SLOT_ROWS);
+        let shape = Shape::registered(if stage.is_dense() { 0 } else { timing::SLOTS * super::SLOT_ROWS });
         Self::from_parts(PairStoreParts {
+            dense: Constant::new(stage.is_dense()),
             even_pairs: Ram::new(shape.clone(), &[]),
             odd_pairs: Ram::new(shape, &[]),
-            two_rows: Constant::new(stage.rows == 2),
+            two_rows: Constant::new(stage.reads_both_ports()),
             all_slots: Constant::new((timing::SLOTS as u64).into()),
         })
     }

@@ -15,9 +15,8 @@ use super::registers::Registers;
 use super::results::Results;
 use super::sequencer::Sequencer;
 use super::window_ring::WindowRing;
-use super::{Descriptor, Pair, Row, Whole, role, whole};
+use super::{Pair, Row, Whole, role, whole};
 use crate::describe::{Circuit, kernel};
-use crate::verilog::Optional;
 use edof_device::design::memory::{CONTROL_SKIP, Shifts, WHOLE_CHAIN, shift_image};
 use edof_device::design::reading::READ_REGISTER;
 use edof_device::design::{Design, StagePlan};
@@ -27,7 +26,7 @@ use rust_hdl::prelude::*;
 /// One stage of the calculator, I, M or F: vectors in, vectors out, two elements a beat; docs/calculator.md has its cycles.
 /// Values are multiplied as they come out of the store; sums are copied, drained, rounded, shrunk and sent on.
 #[derive(Circuit)]
-#[circuit(default(Counters, Delay, DenseOperands, Reader), role(_role), registers(clock))]
+#[circuit(default(Counters, Delay, Reader), role(_role), registers(clock))]
 pub struct Stage {
     /// Clock.
     pub clock: Signal<In, Clock>,
@@ -91,7 +90,12 @@ pub struct Stage {
     /// 1 where the next stage is an M, so that base words are sent.
     feeds_m: Constant<Whole>,
     whole_chain: Constant<Bits<4>>,
-    both_ports: Constant<Bit>,
+    /// Both ports of a bank's memory read two rows a step (M, F).
+    two_rows: Constant<Bit>,
+    /// 1 where dense vectors come in (I), 0 where pairs are made of them (M, F).
+    dense: Constant<Whole>,
+    #[is(dense > 0)]
+    is_dense: Constant<Bit>,
     /// A linear path: windows come in, too (F).
     #[is(window_pixels > 0)]
     has_linear: Constant<Bit>,
@@ -99,11 +103,12 @@ pub struct Stage {
     skip_bit: Constant<Bits<32>>,
     reset_parts: Delay<8, 1>,
     reset_registers: Delay<1, 1>,
-    pairs: Optional<PairStore>,
-    pair_operands: Optional<PairOperands>,
-    vectors: Optional<DenseStore>,
-    dense_operands: Optional<DenseOperands>,
-    ring: Optional<WindowRing>,
+    // A stage uses the store and the operands of dense vectors (I), or those of pairs (M, F). The others are absent.
+    pairs: PairStore,
+    pair_operands: PairOperands,
+    vectors: DenseStore,
+    dense_operands: DenseOperands,
+    ring: WindowRing,
     sequencer: Sequencer,
     #[is(BANKS = lanes / 4)]
     #[is(DEPTH = sets * (outputs / lanes) * (inputs / parts + window_pixels))]
@@ -136,15 +141,6 @@ pub struct Stage {
     resets: Signal<Local, Bits<8>>,
     marks: Signal<Local, Bits<11>>,
     ready_in: Signal<Local, Bit>,
-    arrived: Signal<Local, Bit>,
-    descriptor: Signal<Local, Descriptor>,
-    first: Signal<Local, Bit>,
-    address_a: Signal<Local, Row>,
-    address_b: Signal<Local, Row>,
-    value_a: Signal<Local, Bits<25>>,
-    value_b: Signal<Local, Bits<25>>,
-    value_c: Signal<Local, Bits<25>>,
-    value_d: Signal<Local, Bits<25>>,
     finished_word: Signal<Local, Bits<34>>,
     selected: Signal<Local, Bit>,
     reads: Signal<Local, Bit>,
@@ -160,6 +156,7 @@ impl Stage {
     pub fn new(design: &Design, stage: &StagePlan, sets: [&FixedNetwork; 2]) -> Self {
         let is_dense = stage.is_dense();
         let sums = design.accumulator_bits;
+        let first = &design.stage(0);
         Self::from_parts(StageParts {
             id: Constant::new((stage.index as u64).into()),
             inputs: whole(stage.inputs),
@@ -172,12 +169,13 @@ impl Stage {
             whole_chain: Constant::new((WHOLE_CHAIN as u64).into()),
             read_register: Constant::new((READ_REGISTER as u64).into()),
             skip_bit: Constant::new(u64::from(CONTROL_SKIP).into()),
-            both_ports: Constant::new(stage.reads_both_ports()),
-            pairs: Optional::when(!is_dense, || PairStore::new(stage)),
-            pair_operands: Optional::when(!is_dense, || PairOperands::new(stage)),
-            vectors: Optional::when(is_dense, || DenseStore::new(stage)),
-            dense_operands: Optional::when(is_dense, DenseOperands::default),
-            ring: Optional::when(!is_dense, || WindowRing::new(stage)),
+            two_rows: Constant::new(stage.reads_both_ports()),
+            dense: whole(is_dense.into()),
+            pairs: PairStore::new(stage),
+            pair_operands: PairOperands::new(stage),
+            vectors: DenseStore::new(first, is_dense),
+            dense_operands: DenseOperands::new(is_dense),
+            ring: WindowRing::new(stage),
             sequencer: Sequencer::new(stage),
             macc: MaccArray::new(stage, sums, sets),
             drain: Drain::new(stage),
@@ -231,109 +229,83 @@ impl Logic for Stage {
         self.counters.reset.next = self.reset_registers.delayed.val().get_bit(0);
 
         // In: vectors, bases, windows.
-        self.ready_in.next = false;
-        self.arrived.next = false;
-        self.descriptor.next = 0.into();
-        for i in 0..self.pairs.count() {
-            self.pairs[i].clock.next = self.clock.val();
-            self.pairs[i].reset.next = self.reset_parts.delayed.val().get_bit(0);
-            self.pairs[i].skip_zeros.next = self.registers.skip_zeros.val();
-            self.pairs[i].valid.next = self.valid.val();
-            self.pairs[i].even.next = self.data.val().get_bits::<16>(0);
-            self.pairs[i].odd.next = self.data.val().get_bits::<16>(16);
-            self.pairs[i].last.next = self.last.val();
-            self.pairs[i].set.next = self.set.val();
-            self.pairs[i].read_row.next = self.sequencer.read_row.val();
-            self.pairs[i].finished.next = self.sequencer.finished.val();
-            self.ready_in.next = self.pairs[i].ready.val();
-            self.arrived.next = self.pairs[i].arrived.val();
-            self.descriptor.next = self.pairs[i].descriptor.val();
-        }
-        for i in 0..self.vectors.count() {
-            self.vectors[i].clock.next = self.clock.val();
-            self.vectors[i].reset.next = self.reset_parts.delayed.val().get_bit(0);
-            self.vectors[i].valid.next = self.valid.val();
-            self.vectors[i].data.next = self.data.val();
-            self.vectors[i].last.next = self.last.val();
-            self.vectors[i].set.next = self.set.val();
-            self.vectors[i].read_row.next = self.sequencer.read_row.val();
-            self.vectors[i].finished.next = self.sequencer.finished.val();
-            self.ready_in.next = self.vectors[i].ready.val();
-            self.arrived.next = self.vectors[i].arrived.val();
-            self.descriptor.next = self.vectors[i].descriptor.val();
+        self.pairs.clock.next = self.clock.val();
+        self.pairs.reset.next = self.reset_parts.delayed.val().get_bit(0);
+        self.pairs.skip_zeros.next = self.registers.skip_zeros.val();
+        self.pairs.valid.next = self.valid.val();
+        self.pairs.even.next = self.data.val().get_bits::<16>(0);
+        self.pairs.odd.next = self.data.val().get_bits::<16>(16);
+        self.pairs.last.next = self.last.val();
+        self.pairs.set.next = self.set.val();
+        self.pairs.read_row.next = self.sequencer.read_row.val();
+        self.pairs.finished.next = self.sequencer.finished.val();
+        self.vectors.clock.next = self.clock.val();
+        self.vectors.reset.next = self.reset_parts.delayed.val().get_bit(0);
+        self.vectors.valid.next = self.valid.val();
+        self.vectors.data.next = self.data.val();
+        self.vectors.last.next = self.last.val();
+        self.vectors.set.next = self.set.val();
+        self.vectors.read_row.next = self.sequencer.read_row.val();
+        self.vectors.finished.next = self.sequencer.finished.val();
+        self.ready_in.next = self.pairs.ready.val();
+        self.sequencer.arrived.next = self.pairs.arrived.val();
+        self.sequencer.descriptor.next = self.pairs.descriptor.val();
+        if self.is_dense.val() {
+            self.ready_in.next = self.vectors.ready.val();
+            self.sequencer.arrived.next = self.vectors.arrived.val();
+            self.sequencer.descriptor.next = self.vectors.descriptor.val();
         }
         self.ready.next = self.ready_in.val();
         self.results.base_write.next = self.valid.val() && self.ready_in.val();
         self.results.base_words.next = self.base.val();
-        self.window_ready.next = true;
-        for i in 0..self.ring.count() {
-            self.ring[i].clock.next = self.clock.val();
-            self.ring[i].reset.next = self.reset_parts.delayed.val().get_bit(1);
-            self.ring[i].valid.next = self.window_valid.val();
-            self.ring[i].pixels.next = self.window_data.val();
-            self.ring[i].last.next = self.window_last.val();
-            self.ring[i].read_pair.next = self.sequencer.read_pixels.val();
-            self.ring[i].finished.next = self.sequencer.finished.val();
-            self.pair_operands[i].pixels.next = self.ring[i].read_pixels.val();
-            self.window_ready.next = !self.has_linear.val() || self.ring[i].ready.val();
-        }
+        self.ring.clock.next = self.clock.val();
+        self.ring.reset.next = self.reset_parts.delayed.val().get_bit(1);
+        self.ring.valid.next = self.window_valid.val();
+        self.ring.pixels.next = self.window_data.val();
+        self.ring.last.next = self.window_last.val();
+        self.ring.read_pair.next = self.sequencer.read_pixels.val();
+        self.ring.finished.next = self.sequencer.finished.val();
+        self.window_ready.next = !self.has_linear.val() || self.ring.ready.val();
 
         // Multiply.
-        self.sequencer.arrived.next = self.arrived.val();
-        self.sequencer.descriptor.next = self.descriptor.val();
         self.sequencer.release.next = self.drain.release.val();
-        self.first.next = false;
-        self.address_a.next = 0.into();
-        self.address_b.next = 0.into();
-        self.value_a.next = 0.into();
-        self.value_b.next = 0.into();
-        self.value_c.next = 0.into();
-        self.value_d.next = 0.into();
-        for i in 0..self.pairs.count() {
-            self.pair_operands[i].clock.next = self.clock.val();
-            self.pair_operands[i].valid_a.next = self.sequencer.valid_a.val();
-            self.pair_operands[i].valid_b.next = self.sequencer.valid_b.val();
-            self.pair_operands[i].first.next = self.sequencer.first.val();
-            self.pair_operands[i].linear.next = self.sequencer.linear.val();
-            self.pair_operands[i].odd.next = self.sequencer.odd.val();
-            self.pair_operands[i].set.next = self.sequencer.set.val();
-            self.pair_operands[i].base.next = self.sequencer.base.val();
-            self.pair_operands[i].offset.next = self.sequencer.offset.val();
-            self.pair_operands[i].even_pair.next = self.pairs[i].even_pair.val();
-            self.pair_operands[i].odd_pair.next = self.pairs[i].odd_pair.val();
-            self.pair_operands[i].shifts_0.next = self.registers.shifts_0.val().get_bits::<8>(12);
-            self.pair_operands[i].shifts_1.next = self.registers.shifts_1.val().get_bits::<8>(12);
-            self.first.next = self.pair_operands[i].step_first.val();
-            self.address_a.next = self.pair_operands[i].address_a.val();
-            self.address_b.next = self.pair_operands[i].address_b.val();
-            self.value_a.next = self.pair_operands[i].value_a.val();
-            self.value_b.next = self.pair_operands[i].value_b.val();
+        self.pair_operands.clock.next = self.clock.val();
+        self.pair_operands.valid_a.next = self.sequencer.valid_a.val();
+        self.pair_operands.valid_b.next = self.sequencer.valid_b.val();
+        self.pair_operands.first.next = self.sequencer.first.val();
+        self.pair_operands.linear.next = self.sequencer.linear.val();
+        self.pair_operands.odd.next = self.sequencer.odd.val();
+        self.pair_operands.set.next = self.sequencer.set.val();
+        self.pair_operands.base.next = self.sequencer.base.val();
+        self.pair_operands.offset.next = self.sequencer.offset.val();
+        self.pair_operands.even_pair.next = self.pairs.even_pair.val();
+        self.pair_operands.odd_pair.next = self.pairs.odd_pair.val();
+        self.pair_operands.pixels.next = self.ring.read_pixels.val();
+        self.pair_operands.shifts_0.next = self.registers.shifts_0.val().get_bits::<8>(12);
+        self.pair_operands.shifts_1.next = self.registers.shifts_1.val().get_bits::<8>(12);
+        self.dense_operands.clock.next = self.clock.val();
+        self.dense_operands.valid.next = self.sequencer.valid_a.val();
+        self.dense_operands.first.next = self.sequencer.first.val();
+        self.dense_operands.odd.next = self.sequencer.odd.val();
+        self.dense_operands.base.next = self.sequencer.base.val();
+        self.dense_operands.offset.next = self.sequencer.offset.val();
+        self.dense_operands.pair_a.next = self.vectors.pair_a.val();
+        self.dense_operands.pair_b.next = self.vectors.pair_b.val();
+        self.dense_operands.pair_c.next = self.vectors.pair_c.val();
+        self.dense_operands.pair_d.next = self.vectors.pair_d.val();
+        self.macc.first.next = self.pair_operands.step_first.val();
+        self.macc.address_a.next = self.pair_operands.address_a.val();
+        self.macc.address_b.next = self.pair_operands.address_b.val();
+        self.macc.value_a.next = self.pair_operands.value_a.val();
+        self.macc.value_b.next = self.pair_operands.value_b.val();
+        self.macc.value_c.next = self.dense_operands.value_c.val();
+        self.macc.value_d.next = self.dense_operands.value_d.val();
+        if self.is_dense.val() {
+            self.macc.first.next = self.dense_operands.step_first.val();
+            self.macc.address_a.next = self.dense_operands.address.val();
+            self.macc.value_a.next = self.dense_operands.value_a.val();
+            self.macc.value_b.next = self.dense_operands.value_b.val();
         }
-        for i in 0..self.vectors.count() {
-            self.dense_operands[i].clock.next = self.clock.val();
-            self.dense_operands[i].valid.next = self.sequencer.valid_a.val();
-            self.dense_operands[i].first.next = self.sequencer.first.val();
-            self.dense_operands[i].odd.next = self.sequencer.odd.val();
-            self.dense_operands[i].base.next = self.sequencer.base.val();
-            self.dense_operands[i].offset.next = self.sequencer.offset.val();
-            self.dense_operands[i].pair_a.next = self.vectors[i].pair_a.val();
-            self.dense_operands[i].pair_b.next = self.vectors[i].pair_b.val();
-            self.dense_operands[i].pair_c.next = self.vectors[i].pair_c.val();
-            self.dense_operands[i].pair_d.next = self.vectors[i].pair_d.val();
-            self.first.next = self.dense_operands[i].step_first.val();
-            self.address_a.next = self.dense_operands[i].address.val();
-            self.value_a.next = self.dense_operands[i].value_a.val();
-            self.value_b.next = self.dense_operands[i].value_b.val();
-            self.value_c.next = self.dense_operands[i].value_c.val();
-            self.value_d.next = self.dense_operands[i].value_d.val();
-        }
-        self.macc.first.next = self.first.val();
-        self.macc.address_a.next = self.address_a.val();
-        self.macc.address_b.next = self.address_b.val();
-        self.macc.value_a.next = self.value_a.val();
-        self.macc.value_b.next = self.value_b.val();
-        self.macc.value_c.next = self.value_c.val();
-        self.macc.value_d.next = self.value_d.val();
 
         // Drain.
         self.drain.pass_issued.next = self.sequencer.pass_issued.val();
@@ -398,7 +370,7 @@ impl Logic for Stage {
         self.reads.next = self.reader.request_weights.val() && !self.write_1.q.val();
         self.read_2.d.next = self.reads.val();
         self.sequencer.steal_next.next = self.reads.val()
-            || (self.both_ports.val()
+            || (self.two_rows.val()
                 && self.selected.val()
                 && (self.address_1.q.val().get_bits::<2>(19) == 0));
         if self.reads.val() {

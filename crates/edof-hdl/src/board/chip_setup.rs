@@ -86,8 +86,7 @@ pub struct ChipSetup {
     is_card: Constant<Bits<1>>,
     #[names(_kinds)]
     op: [Constant<Bits<4>>; 15],
-    #[literal]
-    numbers: [Constant<Bits<4>>; 12],
+    slot_mask: Constant<Bits<96>>,
     program: Ram<32>,
     master: I2cMaster,
     #[reset(Phase::Fetch)]
@@ -102,8 +101,16 @@ pub struct ChipSetup {
     previous: DFF<Bits<10>>,
     instruction: DFF<Bits<32>>,
     // What it is, from the phase after its decoding on: no choice of the next entry begins with a comparison.
-    #[names(_kinds)]
-    is: [DFF<Bit>; 15],
+    is_read: DFF<Bit>,
+    is_until: DFF<Bit>,
+    is_if: DFF<Bit>,
+    is_goto: DFF<Bit>,
+    is_load: DFF<Bit>,
+    is_store: DFF<Bit>,
+    is_done: DFF<Bit>,
+    is_index: DFF<Bit>,
+    is_read_next: DFF<Bit>,
+    is_more: DFF<Bit>,
     accumulator: DFF<Bits<8>>,
     index: DFF<Bits<8>>,
     #[reset(0)]
@@ -111,7 +118,8 @@ pub struct ChipSetup {
     spent: DFF<Bit>,
     matches: DFF<Bit>,
     has_more: DFF<Bit>,
-    file: [DFF<Bits<8>>; 12],
+    // Slots 0 to 11.
+    file: DFF<Bits<96>>,
     loaded: DFF<Bits<8>>,
     #[reset(0)]
     attempt: DFF<Bits<4>>,
@@ -146,7 +154,8 @@ pub struct ChipSetup {
     first: Signal<Local, Bits<8>>,
     second: Signal<Local, Bits<8>>,
     third: Signal<Local, Bits<8>>,
-    selected: Signal<Local, Bits<8>>,
+    slot_at: Signal<Local, Bits<7>>,
+    slots_from: Signal<Local, Bits<128>>,
     store: Signal<Local, Bit>,
     store_value: Signal<Local, Bits<8>>,
     fail: Signal<Local, Bit>,
@@ -173,7 +182,7 @@ impl ChipSetup {
             idle_ms: constant(REST_MS),
             is_card: Constant::new(u64::from(is_card).into()),
             op: std::array::from_fn(|kind| Constant::new((kind as u64).into())),
-            numbers: std::array::from_fn(|number| Constant::new((number as u64).into())),
+            slot_mask: Constant::new(0xff.into()),
             program: Ram::new(shape, &words),
             master: I2cMaster::new(pace.i2c_quarter),
             _kinds: KINDS,
@@ -184,10 +193,6 @@ impl ChipSetup {
 impl Logic for ChipSetup {
     #[kernel]
     fn update(&mut self) {
-        for i in 0..12 {
-            self.file[i].clock.next = self.clock.val();
-            self.file[i].d.next = self.file[i].q.val();
-        }
         self.program.clock.next = self.clock.val();
         self.program.read_address.next = bit_cast::<12, 10>(self.entry.q.val());
         self.program.write_enable.next = false;
@@ -198,10 +203,16 @@ impl Logic for ChipSetup {
         self.second.next = self.instruction.q.val().get_bits::<8>(8);
         self.third.next = self.instruction.q.val().get_bits::<8>(0);
 
-        for i in 0..15 {
-            self.is[i].clock.next = self.clock.val();
-            self.is[i].d.next = self.kind.val() == self.op[i].val();
-        }
+        self.is_read.d.next = self.kind.val() == self.op[4].val();
+        self.is_until.d.next = self.kind.val() == self.op[5].val();
+        self.is_if.d.next = self.kind.val() == self.op[6].val();
+        self.is_goto.d.next = self.kind.val() == self.op[7].val();
+        self.is_load.d.next = self.kind.val() == self.op[9].val();
+        self.is_store.d.next = self.kind.val() == self.op[10].val();
+        self.is_done.d.next = self.kind.val() == self.op[11].val();
+        self.is_index.d.next = self.kind.val() == self.op[12].val();
+        self.is_read_next.d.next = self.kind.val() == self.op[13].val();
+        self.is_more.d.next = self.kind.val() == self.op[14].val();
         self.spent.d.next = self.try_count.q.val() == self.first.val();
         self.next_entry.d.next = self.entry.q.val() + 1;
         self.beyond.d.next = self.entry.q.val() + 2;
@@ -256,24 +267,10 @@ impl Logic for ChipSetup {
         }
 
         // Slots: the program's, and the host's settings after them.
-        self.selected.next = 0.into();
-        for i in 0..12 {
-            if self.third.val().get_bits::<4>(0) == self.numbers[i].val() {
-                self.selected.next = self.file[i].q.val();
-            }
-        }
-        if self.third.val().get_bits::<4>(0) == 12 {
-            self.selected.next = self.settings.val().get_bits::<8>(0);
-        }
-        if self.third.val().get_bits::<4>(0) == 13 {
-            self.selected.next = self.settings.val().get_bits::<8>(8);
-        }
-        if self.third.val().get_bits::<4>(0) == 14 {
-            self.selected.next = self.settings.val().get_bits::<8>(16);
-        }
-        if self.third.val().get_bits::<4>(0) == 15 {
-            self.selected.next = self.settings.val().get_bits::<8>(24);
-        }
+        self.slot_at.next = bit_cast::<7, 4>(self.third.val().get_bits::<4>(0)) << 3;
+        self.slots_from.next = ((bit_cast::<128, 32>(self.settings.val()) << 96)
+            | bit_cast::<128, 96>(self.file.q.val()))
+            >> self.slot_at.val();
 
         // A millisecond is over.
         self.tick.d.next = false;
@@ -308,7 +305,7 @@ impl Logic for ChipSetup {
                 }
             }
             Phase::Decode => {
-                self.loaded.d.next = self.selected.val();
+                self.loaded.d.next = self.slots_from.val().get_bits::<8>(0);
                 self.matches.d.next = (self.accumulator.q.val() & self.second.val()) == self.third.val();
                 self.has_more.d.next = self.index.q.val().any();
                 self.milliseconds.d.next = self.instruction.q.val().get_bits::<16>(0);
@@ -329,7 +326,7 @@ impl Logic for ChipSetup {
             Phase::Execute => {
                 self.phase.d.next = Phase::Fetch;
                 self.entry.d.next = self.next_entry.q.val();
-                if self.is[5].q.val() {
+                if self.is_until.q.val() {
                     self.try_count.d.next = 0.into();
                     if !self.matches.q.val() {
                         if self.spent.q.val() {
@@ -343,23 +340,23 @@ impl Logic for ChipSetup {
                             self.phase.d.next = Phase::Wait;
                         }
                     }
-                } else if self.is[6].q.val() {
+                } else if self.is_if.q.val() {
                     if !self.matches.q.val() {
                         self.entry.d.next = self.beyond.q.val();
                     }
-                } else if self.is[7].q.val() {
+                } else if self.is_goto.q.val() {
                     self.entry.d.next = self.instruction.q.val().get_bits::<10>(0);
-                } else if self.is[9].q.val() {
+                } else if self.is_load.q.val() {
                     self.accumulator.d.next = self.loaded.q.val();
-                } else if self.is[10].q.val() {
+                } else if self.is_store.q.val() {
                     self.store.next = true;
                     self.store_value.next = self.second.val();
-                } else if self.is[11].q.val() {
+                } else if self.is_done.q.val() {
                     self.done_q.d.next = true;
                     self.failed_q.d.next = false;
-                } else if self.is[12].q.val() {
+                } else if self.is_index.q.val() {
                     self.index.d.next = self.third.val();
-                } else if self.is[14].q.val() {
+                } else if self.is_more.q.val() {
                     if !self.has_more.q.val() {
                         self.entry.d.next = self.beyond.q.val();
                     }
@@ -381,7 +378,7 @@ impl Logic for ChipSetup {
                 self.attempt.d.next = 0.into();
                 self.phase.d.next = Phase::Fetch;
                 self.entry.d.next = self.next_entry.q.val();
-                if self.is[13].q.val() {
+                if self.is_read_next.q.val() {
                     // What nobody answers is 0.
                     self.index.d.next = self.index.q.val() + 1;
                     self.accumulator.d.next = 0.into();
@@ -389,7 +386,7 @@ impl Logic for ChipSetup {
                         self.accumulator.d.next = self.loaded.q.val();
                     }
                 } else if !self.cause.q.val().any() {
-                    if self.is[4].q.val() {
+                    if self.is_read.q.val() {
                         self.accumulator.d.next = self.loaded.q.val();
                         self.store.next = true;
                     }
@@ -436,10 +433,9 @@ impl Logic for ChipSetup {
                 }
             }
         }
-        for i in 0..12 {
-            if self.store.val() && (self.third.val().get_bits::<4>(0) == self.numbers[i].val()) {
-                self.file[i].d.next = self.store_value.val();
-            }
+        if self.store.val() {
+            self.file.d.next = (self.file.q.val() & !(self.slot_mask.val() << self.slot_at.val()))
+                | (bit_cast::<96, 8>(self.store_value.val()) << self.slot_at.val());
         }
         if self.fail.val() {
             self.failure.d.next = bit_cast::<20, 10>(self.entry.q.val())
@@ -455,9 +451,7 @@ impl Logic for ChipSetup {
             self.phase.d.next = Phase::Wait;
         }
         if self.fail.val() || self.restart_pending.q.val() || self.reset.val() {
-            for i in 0..12 {
-                self.file[i].d.next = 0.into();
-            }
+            self.file.d.next = 0.into();
         }
 
         // What the host reads.
@@ -474,17 +468,8 @@ impl Logic for ChipSetup {
         self.done.next = self.done_q.q.val();
         self.failed.next = self.failed_q.q.val();
         self.answer.next = self.answer_q.q.val();
-        self.slots[0].next = bit_cast::<32, 8>(self.file[0].q.val())
-            | (bit_cast::<32, 8>(self.file[1].q.val()) << 8)
-            | (bit_cast::<32, 8>(self.file[2].q.val()) << 16)
-            | (bit_cast::<32, 8>(self.file[3].q.val()) << 24);
-        self.slots[1].next = bit_cast::<32, 8>(self.file[4].q.val())
-            | (bit_cast::<32, 8>(self.file[5].q.val()) << 8)
-            | (bit_cast::<32, 8>(self.file[6].q.val()) << 16)
-            | (bit_cast::<32, 8>(self.file[7].q.val()) << 24);
-        self.slots[2].next = bit_cast::<32, 8>(self.file[8].q.val())
-            | (bit_cast::<32, 8>(self.file[9].q.val()) << 8)
-            | (bit_cast::<32, 8>(self.file[10].q.val()) << 16)
-            | (bit_cast::<32, 8>(self.file[11].q.val()) << 24);
+        self.slots[0].next = self.file.q.val().get_bits::<32>(0);
+        self.slots[1].next = self.file.q.val().get_bits::<32>(32);
+        self.slots[2].next = self.file.q.val().get_bits::<32>(64);
     }
 }

@@ -7,12 +7,11 @@ module base_ring #(
   parameter HAS_BASE = 0, // 1 where a base is added (M).
   parameter INPUTS = 64
 ) (
-  input wire clock_i,        // Clock.
-  input wire reset_i,        // Empties the memory.
-  input wire write_i,        // A beat arrives.
-  input wire [31:0] words_i, // Two base words of the beat.
-  input wire read_i,         // Moves on to the next two.
-  output wire [31:0] front_o // The two that stood first two cycles ago.
+  input wire clock_i, input wire reset_i, // Empties the memory.
+  input wire write_i,                     // A beat arrives.
+  input wire [31:0] words_i,              // Two base words of the beat.
+  input wire read_i,                      // Moves on to the next two.
+  output wire [31:0] front_o              // The two that stood first two cycles ago.
 );
 
   localparam [31:0] LAST_BEAT = INPUTS / 2 - 1;
@@ -45,13 +44,7 @@ module base_ring #(
         read_vector_q <= read_vector_q + 3'd1;
       end
     end
-    if (reset_i) begin
-      write_q <= 1'b0;
-      write_beat_q <= 7'd0;
-      write_vector_q <= 3'd0;
-      read_beat_q <= 7'd0;
-      read_vector_q <= 3'd0;
-    end
+    if (reset_i) {write_q, write_beat_q, write_vector_q, read_beat_q, read_vector_q} <= 0;
   end
 endmodule
 `default_nettype wire

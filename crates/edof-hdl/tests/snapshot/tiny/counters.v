@@ -4,16 +4,16 @@
 // From crates/edof-hdl/src/blocks/counters.rs (Counters).
 `default_nettype none
 module counters (
-  input wire clock_i,             // Clock.
-  input wire reset_i,             // Sets the count to zero.
-  input wire enable_i,            // A beat enters the FIFO.
-  input wire [1:0] nonzero_i,     // Which of its two words are not zero.
-  input wire [1:0] results_i,     // Which results did not fit.
-  input wire [1:0] codes_i,       // Which thresholded codes did not fit.
-  input wire [1:0] differences_i, // Which differences did not fit.
-  input wire snapshot_i,          // Copies all counters to be shown and starts them anew.
-  input wire [1:0] select_i,      // Which counter to show: 0 non-zeros, 1 results, 2 codes, 3 differences.
-  output reg [31:0] value_o       // Value of the selected counter.
+  input wire clock_i, input wire reset_i, // Sets the count to zero.
+  input wire enable_i,                    // A beat enters the FIFO.
+  input wire [1:0] nonzero_i,             // Which of its two words are not zero.
+  input wire [1:0] results_i,             // Which results did not fit.
+  input wire [1:0] codes_i,               // Which thresholded codes did not fit.
+  input wire [1:0] differences_i,         // Which differences did not fit.
+  input wire snapshot_i,                  // Copies all counters to be shown and starts them anew.
+  // Which counter to show: 0 non-zeros, 1 results, 2 codes, 3 differences.
+  input wire [1:0] select_i,
+  output reg [31:0] value_o               // Value of the selected counter.
 );
 
   wire [31:0] count_nonzero_count;

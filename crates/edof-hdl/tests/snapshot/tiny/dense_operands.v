@@ -2,8 +2,10 @@
 // work are 0.
 // From crates/edof-hdl/src/blocks/dense_operands.rs (DenseOperands).
 `default_nettype none
-module dense_operands (
-  input wire clock_i,           // Clock.
+module dense_operands #(
+  parameter DENSE = 1 // 1 in the stage that is dense (I); in others the delays are absent.
+) (
+  input wire clock_i,
   input wire valid_i,           // There is a step.
   input wire first_i,           // The step is the first of its pass.
   input wire odd_i,             // The odd one of two elements is meant.
@@ -36,10 +38,11 @@ module dense_operands (
   assign value_a_o = value_a_4_q, value_b_o = value_b_4_q, value_c_o = value_c_4_q, value_d_o = value_d_4_q;
 
   wire [2:0] flags_to_2_delayed;
-  edof_delay #(.WIDTH(3), .CYCLES(2))
+  edof_delay #(.WIDTH(3), .CYCLES(DENSE ? 2 : 0))
     flags_to_2 (.clock_i(clock_i), .data_i(flags), .data_o(flags_to_2_delayed));
-  edof_delay #(.WIDTH(12), .CYCLES(3)) row_to_4 (.clock_i(clock_i), .data_i(row_q), .data_o(address_o));
-  edof_delay #(.WIDTH(1), .CYCLES(2))
+  edof_delay #(.WIDTH(12), .CYCLES(DENSE ? 3 : 0))
+    row_to_4 (.clock_i(clock_i), .data_i(row_q), .data_o(address_o));
+  edof_delay #(.WIDTH(1), .CYCLES(DENSE ? 2 : 0))
     first_to_4 (.clock_i(clock_i), .data_i(flags_to_2_delayed[0]), .data_o(step_first_o));
 
   always @(posedge clock_i) begin
@@ -55,12 +58,7 @@ module dense_operands (
       value_c_3_q <= pair_c_i[31:16];
       value_d_3_q <= pair_d_i[31:16];
     end
-    if (!flags_to_2_delayed[1]) begin
-      value_a_3_q <= 16'd0;
-      value_b_3_q <= 16'd0;
-      value_c_3_q <= 16'd0;
-      value_d_3_q <= 16'd0;
-    end
+    if (!flags_to_2_delayed[1]) {value_a_3_q, value_b_3_q, value_c_3_q, value_d_3_q} <= 0;
     value_a_4_q <= wide_a;
     value_b_4_q <= wide_b;
     value_c_4_q <= wide_c;

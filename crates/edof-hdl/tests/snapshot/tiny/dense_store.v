@@ -4,22 +4,23 @@
 // cycles after its last beat.
 // From crates/edof-hdl/src/blocks/dense_store.rs (DenseStore).
 `default_nettype none
-module dense_store (
-  input wire clock_i,              // Clock.
-  input wire reset_i,              // Empties all slots.
-  input wire valid_i,              // The input beat is valid.
-  output wire ready_o,             // The block accepts a valid input in this cycle.
-  input wire [31:0] data_i,        // Two elements of the beat, the even one low.
-  input wire last_i,               // Whether the beat is its vector's last.
-  input wire set_i,                // The vector's set.
-  output wire arrived_o,           // A vector is whole.
-  output wire [11:0] descriptor_o, // What the sequencer must know of it.
-  input wire [8:0] read_row_i,     // Which two elements of each part to read.
-  output wire [31:0] pair_a_o,     // Two elements of the first part, two cycles after their address.
-  output wire [31:0] pair_b_o,     // Of the second.
-  output wire [31:0] pair_c_o,     // Of the third.
-  output wire [31:0] pair_d_o,     // Of the fourth.
-  input wire finished_i            // Frees the slot that is read.
+module dense_store #(
+  parameter DENSE = 1 // 1 in the stage that is dense (I); in others the memories are absent.
+) (
+  input wire clock_i, input wire reset_i, // Empties all slots.
+  input wire valid_i,                     // The input beat is valid.
+  output wire ready_o,                    // The block accepts a valid input in this cycle.
+  input wire [31:0] data_i,               // Two elements of the beat, the even one low.
+  input wire last_i,                      // Whether the beat is its vector's last.
+  input wire set_i,                       // The vector's set.
+  output wire arrived_o,                  // A vector is whole.
+  output wire [11:0] descriptor_o,        // What the sequencer must know of it.
+  input wire [8:0] read_row_i,            // Which two elements of each part to read.
+  output wire [31:0] pair_a_o,            // Two elements of the first part, two cycles after their address.
+  output wire [31:0] pair_b_o,            // Of the second.
+  output wire [31:0] pair_c_o,            // Of the third.
+  output wire [31:0] pair_d_o,            // Of the fourth.
+  input wire finished_i                   // Frees the slot that is read.
 );
 
   localparam [1:0] PART_IDS_0 = 2'd0, PART_IDS_1 = 2'd1;
@@ -47,19 +48,18 @@ module dense_store (
   wire [11:0] write_row = {3'd0, write_slot_q, row_q};
   assign arrived_o = arrived_3_q;
   assign descriptor_o = set_3_q ? (DESCRIPTOR_OF_SET_0 | 12'd1) : DESCRIPTOR_OF_SET_0;
-  assign pair_c_o = 32'd0;
-  assign pair_d_o = 32'd0;
+  assign pair_c_o = 32'd0, pair_d_o = 32'd0;
   wire [11:0] parts_0_read_address = {3'd0, read_row_i};
   wire parts_0_write_enable = valid_1_q && (part_q == PART_IDS_0);
 
-  edof_ram #(.WIDTH(32), .DEPTH(512), .BLOCK(2), .INIT("")) parts_0 (
+  edof_ram #(.WIDTH(32), .DEPTH(DENSE ? 512 : 0), .BLOCK(2), .INIT("")) parts_0 (
     .clock_i(clock_i), .read_address_i(parts_0_read_address), .read_data_o(pair_a_o),
     .write_enable_i(parts_0_write_enable), .write_address_i(write_row), .write_data_i(data_1_q)
   );
 
   wire [11:0] parts_1_read_address = {3'd0, read_row_i};
   wire parts_1_write_enable = valid_1_q && (part_q == PART_IDS_1);
-  edof_ram #(.WIDTH(32), .DEPTH(512), .BLOCK(2), .INIT("")) parts_1 (
+  edof_ram #(.WIDTH(32), .DEPTH(DENSE ? 512 : 0), .BLOCK(2), .INIT("")) parts_1 (
     .clock_i(clock_i), .read_address_i(parts_1_read_address), .read_data_o(pair_b_o),
     .write_enable_i(parts_1_write_enable), .write_address_i(write_row), .write_data_i(data_1_q)
   );
@@ -79,8 +79,7 @@ module dense_store (
         part_q <= part_q + 2'd1;
       end
       if (last_1_q) begin
-        row_q <= 7'd0;
-        part_q <= 2'd0;
+        {row_q, part_q} <= 0;
         write_slot_q <= write_slot_q + 2'd1;
       end
     end
@@ -88,16 +87,7 @@ module dense_store (
     set_2_q <= set_1_q;
     arrived_3_q <= arrived_2_q;
     set_3_q <= set_2_q;
-    if (reset_i) begin
-      full_q <= 3'd0;
-      ready_q <= 1'b0;
-      valid_1_q <= 1'b0;
-      arrived_2_q <= 1'b0;
-      arrived_3_q <= 1'b0;
-      part_q <= 2'd0;
-      row_q <= 7'd0;
-      write_slot_q <= 2'd0;
-    end
+    if (reset_i) {full_q, ready_q, valid_1_q, arrived_2_q, arrived_3_q, part_q, row_q, write_slot_q} <= 0;
   end
 endmodule
 `default_nettype wire

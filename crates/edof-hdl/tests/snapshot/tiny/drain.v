@@ -9,18 +9,17 @@ module drain #(
   parameter LANES = 16, // Outputs that are computed at a time.
   parameter OUTPUTS = 16
 ) (
-  input wire clock_i,         // Clock.
-  input wire reset_i,         // Forgets everything; held for 48 cycles or more.
-  input wire pass_issued_i,   // The last step of a pass is issued.
-  input wire set_i,           // Set of the vector of that pass.
-  input wire credit_return_i, // A beat has left the stage.
+  input wire clock_i, input wire reset_i, // Forgets everything; held for 48 cycles or more.
+  input wire pass_issued_i,               // The last step of a pass is issued.
+  input wire set_i,                       // Set of the vector of that pass.
+  input wire credit_return_i,             // A beat has left the stage.
   // A pass is released: its sums are taken, or will be before the sums of the next pass but one come.
   output wire release_o,
-  output wire copy_o,         // Copies the sums of a pass.
-  output wire take_o,         // Takes the next two sums.
-  output wire [7:0] beat_o,   // Which two of the vector they are.
-  output wire last_o,         // The two sums are the last of their vector.
-  output wire take_set_o      // Set of the vector of the two sums.
+  output wire copy_o,                     // Copies the sums of a pass.
+  output wire take_o,                     // Takes the next two sums.
+  output wire [7:0] beat_o,               // Which two of the vector they are.
+  output wire last_o,                     // The two sums are the last of their vector.
+  output wire take_set_o                  // Set of the vector of the two sums.
 );
 
   localparam [7:0] ALL_CREDITS = 8'd128;
@@ -47,12 +46,8 @@ module drain #(
       is_active_q <= 1'b1;
       remaining_q <= remaining_q - 8'd1;
       at_last_q <= remaining_q == 8'd1;
-      if (at_last_q) begin
-        is_active_q <= 1'b0;
-        busy_q <= 1'b0;
-      end
-      beat_q <= beat_q + 8'd1;
-      if (beat_q == LAST_BEAT[7:0]) beat_q <= 8'd0;
+      if (at_last_q) {is_active_q, busy_q} <= 0;
+      beat_q <= (beat_q == LAST_BEAT[7:0]) ? 8'd0 : (beat_q + 8'd1);
     end
     if (copy_now) begin
       sum_ready_q <= 1'b0;
@@ -78,11 +73,7 @@ module drain #(
     last_q <= beat_q == LAST_BEAT[7:0];
     set_q <= drain_set_q;
     if (reset_i) begin
-      sum_ready_q <= 1'b0;
-      busy_q <= 1'b0;
-      loaded_q <= 1'b0;
-      is_active_q <= 1'b0;
-      beat_q <= 8'd0;
+      {sum_ready_q, busy_q, loaded_q, is_active_q, beat_q} <= 0;
       credits_q <= ALL_CREDITS;
     end
   end

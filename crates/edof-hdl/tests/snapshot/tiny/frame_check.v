@@ -6,13 +6,13 @@
 module frame_check #(
   parameter [27:0] LAST_BEAT = 28'd383
 ) (
-  input wire clock_i,        // Clock.
-  input wire reset_i,        // The next beat is a frame's first, and the first frame's.
-  input wire valid_i,        // A beat passes in this cycle.
-  input wire [31:0] data_i,  // The beat, in the low bits.
-  input wire snapshot_i,     // Copies CRC and number.
-  output wire [31:0] crc_o,  // CRC of the last frame that was whole when the snapshot was taken; 0 before.
-  output wire [7:0] frames_o // Frames that were whole by then, modulo 256.
+  input wire clock_i, input wire reset_i, // The next beat is a frame's first, and the first frame's.
+  input wire valid_i,                     // A beat passes in this cycle.
+  input wire [31:0] data_i,               // The beat, in the low bits.
+  input wire snapshot_i,                  // Copies CRC and number.
+  // CRC of the last frame that was whole when the snapshot was taken; 0 before.
+  output wire [31:0] crc_o,
+  output wire [7:0] frames_o              // Frames that were whole by then, modulo 256.
 );
 
   localparam WIDTH = 32; // Bits of a beat.
@@ -51,20 +51,12 @@ module frame_check #(
       latched_q <= whole_q;
       latched_frames_q <= frames_q;
     end
-    if (delayed[0]) begin
-      whole_q <= 32'd0;
-      frames_q <= 8'd0;
-    end
-    if (delayed[1]) begin
-      latched_q <= 32'd0;
-      latched_frames_q <= 8'd0;
-    end
+    if (delayed[0]) {whole_q, frames_q} <= 0;
+    if (delayed[1]) {latched_q, latched_frames_q} <= 0;
     if (reset_i) begin
-      valid_q <= 1'b0;
+      {valid_q, at_end_q, ends_q} <= 0;
       is_first_q <= 1'b1;
       remaining_q <= LAST_BEAT;
-      at_end_q <= 1'b0;
-      ends_q <= 1'b0;
     end
   end
 endmodule

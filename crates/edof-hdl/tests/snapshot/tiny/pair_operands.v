@@ -3,10 +3,10 @@
 // From crates/edof-hdl/src/blocks/pair_operands.rs (PairOperands).
 `default_nettype none
 module pair_operands #(
-  parameter ALIGNS = 1'b0,
-  parameter TWO_ROWS = 1'b0
+  parameter ALIGNS = 1'b0, parameter TWO_ROWS = 1'b0,
+  parameter DENSE = 1 // 1 in the stage that is dense (I), where the delays are absent.
 ) (
-  input wire clock_i,             // Clock.
+  input wire clock_i,
   input wire valid_a_i,           // There is a step, with a first value.
   input wire valid_b_i,           // With a second one.
   input wire first_i,             // The step is the first of its pass.
@@ -35,7 +35,7 @@ module pair_operands #(
   // With the step, until what it read is there: bit 0 first, 1 valid, 2 a second valid, 3 window, 4 odd, 5 set.
   wire [5:0] flags = {set_i, odd_i, linear_i, valid_b_i, valid_a_i, first_i};
   wire [5:0] flags_to_2_delayed;
-  edof_delay #(.WIDTH(6), .CYCLES(2))
+  edof_delay #(.WIDTH(6), .CYCLES(DENSE ? 0 : 2))
     flags_to_2 (.clock_i(clock_i), .data_i(flags), .data_o(flags_to_2_delayed));
 
   // Cycle 3: the pair or pixel.
@@ -50,9 +50,9 @@ module pair_operands #(
   assign value_b_o = value_b_4_q;
 
   wire [23:0] rows_to_2_delayed;
-  edof_delay #(.WIDTH(24), .CYCLES(2))
+  edof_delay #(.WIDTH(24), .CYCLES(DENSE ? 0 : 2))
     rows_to_2 (.clock_i(clock_i), .data_i({base_i, offset_i}), .data_o(rows_to_2_delayed));
-  edof_delay #(.WIDTH(1), .CYCLES(2))
+  edof_delay #(.WIDTH(1), .CYCLES(DENSE ? 0 : 2))
     first_to_4 (.clock_i(clock_i), .data_i(flags_to_2_delayed[0]), .data_o(step_first_o));
 
   always @(posedge clock_i) begin
@@ -69,14 +69,8 @@ module pair_operands #(
       shift_3_q <= shifts[7:4];
     end
     // Without work the row is one that there is, not what an unwritten pair says.
-    if (!flags_to_2_delayed[1]) begin
-      value_a_3_q <= 16'd0;
-      offset_a_3_q <= 12'd0;
-    end
-    if (!(TWO_ROWS && flags_to_2_delayed[2])) begin
-      value_b_3_q <= 16'd0;
-      offset_b_3_q <= 12'd0;
-    end
+    if (!flags_to_2_delayed[1]) {value_a_3_q, offset_a_3_q} <= 0;
+    if (!(TWO_ROWS && flags_to_2_delayed[2])) {value_b_3_q, offset_b_3_q} <= 0;
     base_3_q <= rows_to_2_delayed[23:12];
     value_a_4_q <= wide_a;
     value_b_4_q <= wide_b;

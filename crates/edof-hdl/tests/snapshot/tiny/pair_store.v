@@ -5,23 +5,23 @@
 // From crates/edof-hdl/src/blocks/pair_store.rs (PairStore).
 `default_nettype none
 module pair_store #(
+  parameter DENSE = 1, // 1 in the stage that is dense (I), where the memories are absent.
   parameter TWO_ROWS = 1'b0
 ) (
-  input wire clock_i,              // Clock.
-  input wire reset_i,              // Empties all slots.
-  input wire skip_zeros_i,         // Whether zeros are left out.
-  input wire valid_i,              // The input beat is valid.
-  output wire ready_o,             // The block accepts a valid input in this cycle.
-  input wire [15:0] even_i,        // Element of even index.
-  input wire [15:0] odd_i,         // Element of odd index.
-  input wire last_i,               // Whether the beat is its vector's last.
-  input wire set_i,                // The vector's set.
-  output wire arrived_o,           // A vector is whole.
-  output wire [11:0] descriptor_o, // What the sequencer must know of it.
-  input wire [8:0] read_row_i,     // Which two pairs to read.
-  output wire [24:0] even_pair_o,  // The even one of the two, two cycles later.
-  output wire [24:0] odd_pair_o,   // The odd one.
-  input wire finished_i            // Frees the slot that is read.
+  input wire clock_i, input wire reset_i, // Empties all slots.
+  input wire skip_zeros_i,                // Whether zeros are left out.
+  input wire valid_i,                     // The input beat is valid.
+  output wire ready_o,                    // The block accepts a valid input in this cycle.
+  input wire [15:0] even_i,               // Element of even index.
+  input wire [15:0] odd_i,                // Element of odd index.
+  input wire last_i,                      // Whether the beat is its vector's last.
+  input wire set_i,                       // The vector's set.
+  output wire arrived_o,                  // A vector is whole.
+  output wire [11:0] descriptor_o,        // What the sequencer must know of it.
+  input wire [8:0] read_row_i,            // Which two pairs to read.
+  output wire [24:0] even_pair_o,         // The even one of the two, two cycles later.
+  output wire [24:0] odd_pair_o,          // The odd one.
+  input wire finished_i                   // Frees the slot that is read.
 );
 
   localparam [2:0] ALL_SLOTS = 3'd4;
@@ -77,11 +77,11 @@ module pair_store #(
   assign arrived_o = arrived_3_q;
   assign descriptor_o = {steps, flags};
 
-  edof_ram #(.WIDTH(25), .DEPTH(512), .BLOCK(2), .INIT("")) even_pairs (
+  edof_ram #(.WIDTH(25), .DEPTH(DENSE ? 0 : 512), .BLOCK(2), .INIT("")) even_pairs (
     .clock_i(clock_i), .read_address_i({3'd0, read_row_i}), .read_data_o(even_pair_o),
     .write_enable_i(even_write_3_q), .write_address_i(even_row_3_q), .write_data_i(even_data_3_q)
   );
-  edof_ram #(.WIDTH(25), .DEPTH(512), .BLOCK(2), .INIT("")) odd_pairs (
+  edof_ram #(.WIDTH(25), .DEPTH(DENSE ? 0 : 512), .BLOCK(2), .INIT("")) odd_pairs (
     .clock_i(clock_i), .read_address_i({3'd0, read_row_i}), .read_data_o(odd_pair_o),
     .write_enable_i(odd_write_3_q), .write_address_i(odd_row_3_q), .write_data_i(odd_data_3_q)
   );
@@ -119,8 +119,7 @@ module pair_store #(
       beat_q <= beat_q + 8'd1;
       stored_q <= stored_next;
       if (last_2_q) begin
-        beat_q <= 8'd0;
-        stored_q <= 9'd0;
+        {beat_q, stored_q} <= 0;
         write_slot_q <= write_slot_q + 2'd1;
       end
     end
@@ -128,18 +127,8 @@ module pair_store #(
     count_3_q <= stored_next;
     set_3_q <= set_2_q;
     if (reset_i) begin
-      full_q <= 3'd0;
-      ready_q <= 1'b0;
-      valid_1_q <= 1'b0;
-      valid_2_q <= 1'b0;
-      store_even_2_q <= 1'b0;
-      store_odd_2_q <= 1'b0;
-      beat_q <= 8'd0;
-      stored_q <= 9'd0;
-      write_slot_q <= 2'd0;
-      even_write_3_q <= 1'b0;
-      odd_write_3_q <= 1'b0;
-      arrived_3_q <= 1'b0;
+      {full_q, ready_q, valid_1_q, valid_2_q, store_even_2_q, store_odd_2_q, beat_q, stored_q, write_slot_q,
+          even_write_3_q, odd_write_3_q, arrived_3_q} <= 0;
     end
   end
 endmodule

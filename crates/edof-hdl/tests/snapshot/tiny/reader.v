@@ -8,25 +8,24 @@
 // From crates/edof-hdl/src/blocks/reader.rs (Reader).
 `default_nettype none
 module reader (
-  input wire clock_i,               // Clock.
-  input wire reset_i,               // Stops and forgets.
-  input wire starts_i,              // A command comes (`edof_device::design::reading::read_command`).
+  input wire clock_i, input wire reset_i, // Stops and forgets.
+  input wire starts_i,                    // A command comes (`edof_device::design::reading::read_command`).
   // The command: space (2 bits), bank (6), first row (12), rows after it (12).
   input wire [31:0] command_i,
-  output wire request_weights_o,    // A row of weights is requested.
-  input wire grant_i,               // The requested row of weights will be read.
-  output wire [5:0] bank_o,         // Bank of the requested row.
-  output wire [11:0] row_o,         // Row of weights or thresholds, or register.
-  input wire [63:0] weights_i,      // The requested row of weights; 0 in other cycles.
-  output wire request_thresholds_o, // Two thresholds are requested.
-  input wire thresholds_valid_i,    // The two thresholds are valid.
-  input wire [31:0] thresholds_i,   // The two thresholds.
-  input wire [31:0] previous_i,     // Thresholds of the stage before.
-  input wire [31:0] register_i,     // The register of that row.
+  output wire request_weights_o,          // A row of weights is requested.
+  input wire grant_i,                     // The requested row of weights will be read.
+  output wire [5:0] bank_o,               // Bank of the requested row.
+  output wire [11:0] row_o,               // Row of weights or thresholds, or register.
+  input wire [63:0] weights_i,            // The requested row of weights; 0 in other cycles.
+  output wire request_thresholds_o,       // Two thresholds are requested.
+  input wire thresholds_valid_i,          // The two thresholds are valid.
+  input wire [31:0] thresholds_i,         // The two thresholds.
+  input wire [31:0] previous_i,           // Thresholds of the stage before.
+  input wire [31:0] register_i,           // The register of that row.
   // What to show: 0 CRC-32 of all rows, 1 and 2 the halves of the row that was read last, 3 whether it still
   // reads.
   input wire [1:0] select_i,
-  output wire [31:0] value_o        // Word that `select` selects.
+  output wire [31:0] value_o              // Word that `select` selects.
 );
 
   localparam [31:0] POLYNOMIAL = 32'hedb88320, ONES = 32'hffffffff;
@@ -81,8 +80,7 @@ module reader (
     if (starts_i) begin
       is_active_q <= 1'b1;
       fresh_q <= 1'b1;
-      request_q <= 1'b0;
-      at_end_q <= 1'b0;
+      {request_q, at_end_q} <= 0;
       cycle_q <= 8'd192;
       space_q <= command_i[31:30];
       bank_q <= command_i[29:24];
@@ -96,20 +94,11 @@ module reader (
     if (advance && (space_q == 2'd1)) read_word_q <= thresholds_i;
     else if (advance && (space_q == 2'd2)) read_word_q <= previous_i;
     else if (advance && (space_q == 2'd3)) read_word_q <= register_i;
-    word_q <= word_q | weights_i | {32'd0, read_word_q};
-    if (delayed[0]) word_q <= rotated;
+    word_q <= delayed[0] ? rotated : (word_q | weights_i | {32'd0, read_word_q});
     if (clear_word_q) word_q <= 64'd0;
-    if (delayed[1]) begin
-      crc_q <= crc_q >> 1;
-      if (crc_q[0] != word_q[0]) crc_q <= (crc_q >> 1) ^ POLYNOMIAL;
-    end
+    if (delayed[1]) crc_q <= (crc_q[0] != word_q[0]) ? ((crc_q >> 1) ^ POLYNOMIAL) : (crc_q >> 1);
     if (clear_crc_q) crc_q <= ONES;
-    if (reset_i) begin
-      is_active_q <= 1'b0;
-      request_q <= 1'b0;
-      cycle_q <= 8'd0;
-      at_end_q <= 1'b0;
-    end
+    if (reset_i) {is_active_q, request_q, cycle_q, at_end_q} <= 0;
   end
 endmodule
 `default_nettype wire

@@ -5,14 +5,14 @@
 module registers #(
   parameter INIT = "stage0_shifts.mem"
 ) (
-  input wire clock_i,             // Clock.
-  input wire reset_i,             // Back to the values of the generated design; held for two cycles or more.
-  input wire write_enable_i,      // Writes a register.
-  input wire [11:0] write_row_i,  // Which: 0 and 1 are the shifts of each set, 2 is control.
-  input wire [31:0] write_data_i, // New value of the register.
-  output wire [19:0] shifts_0_o,  // Shifts of set 0 (`edof_device::design::memory::Shifts::word`).
-  output wire [19:0] shifts_1_o,  // Shifts of set 1.
-  output wire skip_zeros_o        // Whether zeros are left out.
+  // Back to the values of the generated design; held for two cycles or more.
+  input wire clock_i, input wire reset_i,
+  input wire write_enable_i,              // Writes a register.
+  input wire [11:0] write_row_i,          // Which: 0 and 1 are the shifts of each set, 2 is control.
+  input wire [31:0] write_data_i,         // New value of the register.
+  output wire [19:0] shifts_0_o,          // Shifts of set 0 (`edof_device::design::memory::Shifts::word`).
+  output wire [19:0] shifts_1_o,          // Shifts of set 1.
+  output wire skip_zeros_o                // Whether zeros are left out.
 );
 
   localparam START_SKIP = 1'b1;

@@ -7,7 +7,7 @@
 module requantize #(
   parameter [47:0] BASE_BITS = 48'd0
 ) (
-  input wire clock_i,              // Clock.
+  input wire clock_i,
   input wire [47:0] sum_i,         // Sum out of the multipliers.
   input wire [15:0] base_i,        // Base word of the same element.
   input wire [5:0] base_shift_i,   // Left shift of the base word.

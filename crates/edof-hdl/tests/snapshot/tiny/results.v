@@ -8,12 +8,9 @@ module results #(
   parameter HAS_BASE = 0,   // 1 where a base is added (M).
   parameter FEEDS_M = 1,    // 1 where the next stage is an M, so that base words are sent.
   parameter SHRINKS = 1'b1, // Codes are sent (I, M), not results (F).
-  parameter INIT = "stage0_thresholds.mem",
-  parameter [47:0] BASE_BITS = 48'd0,
-  parameter INPUTS = 64
+  parameter INIT = "stage0_thresholds.mem", parameter [47:0] BASE_BITS = 48'd0, parameter INPUTS = 64
 ) (
-  input wire clock_i,                      // Clock.
-  input wire reset_i,                      // Forgets everything.
+  input wire clock_i, input wire reset_i,  // Forgets everything.
   input wire take_i,                       // Two sums are taken, and stand on the inputs seven cycles later.
   input wire [7:0] beat_i,                 // Which two of their vector.
   input wire last_i,                       // The two sums are the last of their vector.
@@ -86,8 +83,7 @@ module results #(
   );
 
   wire [31:0] result = {requantize_odd_result, requantize_even_result};
-  assign read_valid_o = read_17_q;
-  assign read_previous_o = 32'd0;
+  assign read_valid_o = read_17_q, read_previous_o = 32'd0;
 
   edof_delay #(.WIDTH(2), .CYCLES(6)) result_flags (
     .clock_i(clock_i), .data_i({requantize_odd_saturated, requantize_even_saturated}),
@@ -143,8 +139,7 @@ module results #(
   assign nonzero_o = {|sent[31:16], |sent[15:0]};
 
   always @(posedge clock_i) begin
-    shifts_q <= shifts_0_i[11:0];
-    if (marks_to_6_delayed[2]) shifts_q <= shifts_1_i[11:0];
+    shifts_q <= marks_to_6_delayed[2] ? shifts_1_i[11:0] : shifts_0_i[11:0];
     // Cycles 18 to 20: thresholds, read in cycle 17.
     threshold_row_q <= {4'd0, place_to_15_delayed[7:0]};
     if (place_to_15_delayed[8]) threshold_row_q <= {4'd0, place_to_15_delayed[7:0]} + SET_ROWS[11:0];

@@ -15,27 +15,26 @@ module sequencer #(
   parameter LANES = 16,        // Outputs that are computed at a time.
   parameter OUTPUTS = 16
 ) (
-  input wire clock_i,              // Clock.
-  input wire reset_i,              // Back to the start.
-  input wire arrived_i,            // A vector is whole.
+  input wire clock_i, input wire reset_i, // Back to the start.
+  input wire arrived_i,                   // A vector is whole.
   // What must be known of it: steps before its last one (8 bits), one step only, no pairs, an odd number, set.
   input wire [11:0] descriptor_i,
-  input wire release_i,            // A pass is released: one more may begin from the next cycle on.
-  input wire steal_next_i,         // No step in the next cycle.
-  output wire valid_a_o,           // There is a step in this cycle, with a first value.
-  output wire valid_b_o,           // With a second one.
-  output wire first_o,             // The step is the first of its pass.
-  output wire linear_o,            // The step belongs to the window (linear path).
+  input wire release_i,                   // A pass is released: one more may begin from the next cycle on.
+  input wire steal_next_i,                // No step in the next cycle.
+  output wire valid_a_o,                  // There is a step in this cycle, with a first value.
+  output wire valid_b_o,                  // With a second one.
+  output wire first_o,                    // The step is the first of its pass.
+  output wire linear_o,                   // The step belongs to the window (linear path).
   // The odd one of two elements that are read is meant (where one is taken a cycle).
   output wire odd_o,
-  output wire set_o,               // The vector's set.
-  output wire [8:0] read_row_o,    // Which two elements of which slot to read.
-  output wire [6:0] read_pixels_o, // Which two pixels of the window to read.
-  output wire [11:0] base_o,       // Row of weights of input 0 in this pass.
+  output wire set_o,                      // The vector's set.
+  output wire [8:0] read_row_o,           // Which two elements of which slot to read.
+  output wire [6:0] read_pixels_o,        // Which two pixels of the window to read.
+  output wire [11:0] base_o,              // Row of weights of input 0 in this pass.
   // Offset of the step's row of weights after `base`; for a pair, its index is added.
   output wire [11:0] offset_o,
-  output wire pass_issued_o,       // The step is the last of its pass.
-  output wire finished_o           // The step is the last of its vector.
+  output wire pass_issued_o,              // The step is the last of its pass.
+  output wire finished_o                  // The step is the last of its vector.
 );
 
   localparam TWO_ROWS = ROWS == 2, HAS_LINEAR = WINDOW_PIXELS > 0;
@@ -101,8 +100,7 @@ module sequencer #(
       pass_q <= pass_q + 6'd1;
       pass_row_q <= pass_row_q + PASS_ROWS[11:0];
       if (job_is_last_q) begin
-        pass_q <= 6'd0;
-        pass_row_q <= 12'd0;
+        {pass_q, pass_row_q} <= 0;
         slot_q <= slot_q + 2'd1;
       end
     end
@@ -112,8 +110,7 @@ module sequencer #(
     job_q <= next;
     job_slot_q <= slot_q;
     job_is_last_q <= pass_q == LAST_PASS[5:0];
-    job_row_q <= pass_row_q;
-    if (next[0]) job_row_q <= pass_row_q + SET_ROWS[11:0];
+    job_row_q <= next[0] ? (pass_row_q + SET_ROWS[11:0]) : pass_row_q;
     // The step of the next cycle.
     if (step_valid) begin
       first_q <= 1'b0;
@@ -142,16 +139,7 @@ module sequencer #(
       base_q <= job_row_q;
       is_last_q <= job_is_last_q;
     end
-    if (reset_i) begin
-      write_slot_q <= 2'd0;
-      waiting_q <= 3'd0;
-      slot_q <= 2'd0;
-      pass_q <= 6'd0;
-      pass_row_q <= 12'd0;
-      open_q <= 2'd0;
-      may_begin_q <= 1'b0;
-      active_q <= 1'b0;
-    end
+    if (reset_i) {write_slot_q, waiting_q, slot_q, pass_q, pass_row_q, open_q, may_begin_q, active_q} <= 0;
   end
 endmodule
 `default_nettype wire

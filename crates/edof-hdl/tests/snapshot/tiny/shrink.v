@@ -3,7 +3,7 @@
 // From crates/edof-hdl/src/blocks/shrink.rs (Shrink).
 `default_nettype none
 module shrink (
-  input wire clock_i,            // Clock.
+  input wire clock_i,
   input wire [15:0] code_i,      // b.
   input wire [15:0] threshold_i, // θ.
   output wire [15:0] result_o,   // z.
@@ -33,8 +33,7 @@ module shrink (
     is_below_q <= TWO_SIDED && below_1_q[16];
     too_large_q <= above_1_q > MAX;
     // Cycle 3: the result.
-    result_q <= 16'd0;
-    saturated_q <= 1'b0;
+    {result_q, saturated_q} <= 0;
     if (is_above_q) begin
       result_q <= above_2_q;
       if (too_large_q) begin

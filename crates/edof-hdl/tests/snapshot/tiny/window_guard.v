@@ -9,24 +9,23 @@
 // From crates/edof-hdl/src/blocks/window_guard.rs (WindowGuard).
 `default_nettype none
 module window_guard (
-  input wire clock_i,             // Clock.
-  input wire reset_i,             // Waits for a window's first beat.
-  input wire reset_counters_i,    // Counters back to zero.
-  input wire valid_i,             // The input beat is valid.
-  output wire ready_o,            // The block accepts a valid input in this cycle.
-  input wire [31:0] data_i,       // Two pixels of the beat, the left one low.
-  input wire last_i,              // The sender marks the beat as the last of its window.
-  input wire set_i,               // The set of weights for this window.
-  output wire out_valid_o,        // The output beat is valid.
-  input wire out_ready_i,         // The receiver accepts the output in this cycle.
-  output wire [31:0] out_data_o,  // Two pixels of the beat, the left one low.
-  output wire out_last_o,         // The beat is the last of its window.
-  output wire out_set_o,          // The window's set.
+  input wire clock_i, input wire reset_i, // Waits for a window's first beat.
+  input wire reset_counters_i,            // Counters back to zero.
+  input wire valid_i,                     // The input beat is valid.
+  output wire ready_o,                    // The block accepts a valid input in this cycle.
+  input wire [31:0] data_i,               // Two pixels of the beat, the left one low.
+  input wire last_i,                      // The sender marks the beat as the last of its window.
+  input wire set_i,                       // The set of weights for this window.
+  output wire out_valid_o,                // The output beat is valid.
+  input wire out_ready_i,                 // The receiver accepts the output in this cycle.
+  output wire [31:0] out_data_o,          // Two pixels of the beat, the left one low.
+  output wire out_last_o,                 // The beat is the last of its window.
+  output wire out_set_o,                  // The window's set.
   // Whether a window was too short or too long since the last reset or snapshot.
   output wire fault_o,
-  input wire snapshot_i,          // Copies the counters to be shown, and starts them anew.
-  output wire [31:0] too_short_o, // Windows that were too short, as copied.
-  output wire [31:0] too_long_o   // Windows that were too long.
+  input wire snapshot_i,                  // Copies the counters to be shown, and starts them anew.
+  output wire [31:0] too_short_o,         // Windows that were too short, as copied.
+  output wire [31:0] too_long_o           // Windows that were too long.
 );
 
   localparam [6:0] BEFORE_LAST = 7'd30;
@@ -53,15 +52,11 @@ module window_guard (
   );
 
   always @(posedge clock_i) begin
-    short_q <= 1'b0;
-    long_q <= 1'b0;
+    {short_q, long_q} <= 0;
     if (advance) begin
       beat_q <= beat_q + 7'd1;
       at_end_q <= beat_q == BEFORE_LAST;
-      if (at_end_q) begin
-        beat_q <= 7'd0;
-        fill_q <= 1'b0;
-      end
+      if (at_end_q) {beat_q, fill_q} <= 0;
     end
     if (accept) begin
       set_q <= set_i;
@@ -71,16 +66,8 @@ module window_guard (
       long_q <= at_end_q && !last_i;
     end
     if (drop_q && valid_i && last_i) drop_q <= 1'b0;
-    fault_q <= fault_q || short_q || long_q;
-    if (reset_counters_i || snapshot_i) fault_q <= 1'b0;
-    if (reset_i) begin
-      beat_q <= 7'd0;
-      at_end_q <= 1'b0;
-      fill_q <= 1'b0;
-      drop_q <= 1'b0;
-      short_q <= 1'b0;
-      long_q <= 1'b0;
-    end
+    fault_q <= (!(reset_counters_i || snapshot_i)) && (fault_q || short_q || long_q);
+    if (reset_i) {beat_q, at_end_q, fill_q, drop_q, short_q, long_q} <= 0;
   end
 endmodule
 `default_nettype wire

@@ -7,15 +7,14 @@ module window_ring #(
   parameter WINDOW_PIXELS = 0, // Pixels of a window.
   parameter WINDOWS = 0        // Windows that are kept.
 ) (
-  input wire clock_i,               // Clock.
-  input wire reset_i,               // Empties the memory.
-  input wire valid_i,               // The input beat is valid.
-  output wire ready_o,              // The block accepts a valid input in this cycle.
-  input wire [31:0] pixels_i,       // Two pixels of the beat, the left one low.
-  input wire last_i,                // The beat is the last of its window.
-  input wire [6:0] read_pair_i,     // Which two pixels of the oldest window to read.
-  output wire [31:0] read_pixels_o, // Two pixels, two cycles after their address.
-  input wire finished_i             // Frees the oldest window.
+  input wire clock_i, input wire reset_i, // Empties the memory.
+  input wire valid_i,                     // The input beat is valid.
+  output wire ready_o,                    // The block accepts a valid input in this cycle.
+  input wire [31:0] pixels_i,             // Two pixels of the beat, the left one low.
+  input wire last_i,                      // The beat is the last of its window.
+  input wire [6:0] read_pair_i,           // Which two pixels of the oldest window to read.
+  output wire [31:0] read_pixels_o,       // Two pixels, two cycles after their address.
+  input wire finished_i                   // Frees the oldest window.
 );
 
   // Its pixels are more than those of a window of side 8: one of side 12 has 144, and takes four times as many
@@ -63,14 +62,7 @@ module window_ring #(
       end
     end
     if (finished_i) oldest_q <= (oldest_q + 6'd1) & LAST_WINDOW[5:0];
-    if (reset_i) begin
-      write_q <= 1'b0;
-      write_beat_q <= 7'd0;
-      write_window_q <= 6'd0;
-      oldest_q <= 6'd0;
-      held_q <= 7'd0;
-      ready_q <= 1'b0;
-    end
+    if (reset_i) {write_q, write_beat_q, write_window_q, oldest_q, held_q, ready_q} <= 0;
   end
 endmodule
 `default_nettype wire
