@@ -36,7 +36,9 @@ pub fn replaced(mut project: Project, part: &str, from: &str, to: &str) -> Proje
 fn own_module(project: &mut Project, parent: &str, instance: &str) -> String {
     let copy = format!("{parent}_{instance}");
     let text_of_parent = text(project, parent);
-    let end = text_of_parent.find(&format!(" {instance} (")).unwrap();
+    // Pins stand behind it or below it, and words in a comment.
+    let heads = ["\n", "."].map(|pins| format!(" {instance} ({pins}"));
+    let end = heads.iter().find_map(|head| text_of_parent.find(head)).unwrap();
     let line = |end: usize| text_of_parent[..end].rfind('\n').unwrap() + 1;
     let mut start = line(end);
     if text_of_parent[start..end].trim().is_empty() {

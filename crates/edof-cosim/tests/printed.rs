@@ -67,12 +67,21 @@ fn faults(module: &Module) -> Vec<String> {
             faults.push(format!("{at}: an arm that does nothing"));
         }
     }
+    let lines: Vec<&str> = text.lines().map(str::trim).collect();
+    let one_by_one = lines.windows(2).filter(|pair| pair.iter().all(|line| clears(line)));
+    faults.extend(one_by_one.map(|pair| format!("{name}.v: cleared one by one: {}", pair.concat())));
     let long: Vec<String> = conditions(text).into_iter().filter(|text| text.len() > CONDITION).collect();
     let twice = |(n, text): (usize, &String)| long[..n].contains(text).then(|| text.clone());
     let twice = long.iter().enumerate().filter_map(twice);
     faults.extend(twice.map(|text| format!("{name}.v: said twice: {text}")));
     faults.extend(copy(text).map(|line| format!("{name}.v: a block stands twice: {line}")));
     faults
+}
+
+/// Whether a line makes one register 0, and no more.
+fn clears(line: &str) -> bool {
+    let is_zero = |value: &str| value.split_once('\'').is_some_and(|(_, digits)| ["b0;", "d0;"].contains(&digits));
+    line.split_once(" <= ").is_some_and(|(register, value)| register.ends_with("_q") && is_zero(value))
 }
 
 /// The first line of a block that stands twice behind the ports, numbers left aside.
@@ -191,7 +200,7 @@ fn blocks_name_the_rust_line_that_they_come_from() {
                 ["self.", "if ", "for ", "match ", "dff_setup"].iter().any(|word| code.starts_with(word));
             let is_link = code.contains("::link") || code.contains("::join");
             // Resets come from an attribute of the struct.
-            let resets = ["Reset.", "reset", " <= "].iter().any(|word| line.contains(word));
+            let resets = ["Reset.", "reset", " <= ", "_q,"].iter().any(|word| line.contains(word));
             let is_reset = code.contains("registers(") && (resets || line.trim() == "end");
             assert!(is_statement || is_link || is_reset, "{}: {line}: line {place} is {code}", module.name);
         }

@@ -1,4 +1,5 @@
-//! What stands together in the text of a module: wires and the instance that reads them, short instances, names that are given to outputs.
+//! What stands together in the text of a module: wires and the instance that reads them, short instances, names that are given to outputs, registers
+//! that are cleared, the two values of a choice.
 
 use crate::testbench::emit;
 use edof_hdl::blocks::delay::Delay;
@@ -7,9 +8,10 @@ use rust_hdl::prelude::*;
 
 /// Waits for two sums.
 #[derive(Circuit)]
-#[circuit(default(Delay), registers(clock))]
+#[circuit(default(Delay), registers(clock, reset))]
 struct Rows {
     pub clock: Signal<In, Clock>,
+    pub reset: Signal<In, Bit>,
     pub left: Signal<In, Bits<4>>,
     pub right: Signal<In, Bits<4>>,
     pub both: Signal<Out, Bits<4>>,
@@ -20,6 +22,12 @@ struct Rows {
     level_of_both_sides: Delay<4, 2>,
     level_of_both_sides_before: Delay<4, 3>,
     newest_q: DFF<Bits<4>>,
+    #[reset(0)]
+    highest: DFF<Bits<4>>,
+    #[reset(3)]
+    spare: DFF<Bits<4>>,
+    #[reset(false)]
+    is_full: DFF<Bit>,
 }
 
 impl Logic for Rows {
@@ -35,6 +43,16 @@ impl Logic for Rows {
         self.newest.next = self.newest_q.q.val();
         self.high.next = self.newest_q.q.val().get_bits::<2>(2);
         self.is_equal.next = self.left.val() == self.right.val();
+        self.highest.d.next = self.left.val();
+        if self.left.val() < self.right.val() {
+            self.highest.d.next = self.right.val();
+        }
+        self.is_full.d.next = self.highest.q.val() == self.spare.q.val();
+        self.spare.d.next = self.spare.q.val() - 1;
+        if self.is_full.q.val() {
+            self.highest.d.next = 0.into();
+            self.spare.d.next = 0.into();
+        }
     }
 }
 
@@ -44,7 +62,7 @@ fn what_belongs_together_stands_together() {
     for words in [
         // Silence says that no path leads through; this one has one.
         "\n// Within the cycle: left_i -> both_o\n// Within the cycle: left_i, right_i -> is_equal_o\n// From ",
-        "  input wire clock_i,\n  input wire [3:0] left_i,\n",
+        "  input wire clock_i, input wire reset_i,\n  input wire [3:0] left_i,\n",
         "
   wire [3:0] sum = left_i + right_i;
   wire [3:0] level_of_both_sides_delayed;
@@ -56,6 +74,9 @@ fn what_belongs_together_stands_together() {
   );
 ",
         "  assign newest_o = newest_q, high_o = newest_q[3:2];\n  assign is_equal_o = left_i == right_i;\n",
+        "    highest_q <= (left_i < right_i) ? right_i : left_i;\n",
+        "    if (is_full_q) {highest_q, spare_q} <= 0;\n",
+        "    if (reset_i) begin\n      {highest_q, is_full_q} <= 0;\n      spare_q <= 4'd3;\n    end\n",
     ] {
         assert!(text.contains(words), "{words}\n{text}");
     }

@@ -125,8 +125,7 @@ fn a_module_has_the_primary_constants_as_parameters_and_derives_the_others() {
     let emitted = emit(&circuit).unwrap();
     assert_eq!(emitted.modules.len(), 2);
     let text = &emitted.modules[0].text;
-    let parameters: Vec<&str> = text.lines().filter(|line| line.contains("parameter ")).collect();
-    assert_eq!(parameters.len(), 3, "{text}");
+    assert_eq!(text.matches("parameter ").count(), 3, "{text}");
     for line in [
         " HALF = LANES / 2 - 1",
         " REST = CODES > LANES ? CODES % LANES : 3 * CODES",
