@@ -80,8 +80,10 @@ fn faults(module: &Module) -> Vec<String> {
 
 /// Whether a line makes one register 0, and no more.
 fn clears(line: &str) -> bool {
-    let is_zero = |value: &str| value.split_once('\'').is_some_and(|(_, digits)| ["b0;", "d0;"].contains(&digits));
-    line.split_once(" <= ").is_some_and(|(register, value)| register.ends_with("_q") && is_zero(value))
+    let Some((register, value)) = line.split_once(" <= ") else { return false };
+    let is_word = register.chars().all(|letter| letter.is_alphanumeric() || letter == '_');
+    let zero = value.split_once('\'').map(|(bits, digits)| (bits.parse::<usize>().is_ok(), digits));
+    is_word && matches!(zero, Some((true, "b0;" | "d0;")))
 }
 
 /// The first line of a block that stands twice behind the ports, numbers left aside.

@@ -522,8 +522,7 @@ module link #(
   assign to_o = value_q;
 
   always @(posedge clock_i) begin
-    value_q <= from_i + STEP;
-    if (number_i == 3'd5) value_q <= from_i;
+    value_q <= (number_i == 3'd5) ? from_i : (from_i + STEP);
   end
 ";
 
