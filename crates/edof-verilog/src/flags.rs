@@ -44,6 +44,15 @@ pub(crate) fn joins(last: &mut Vec<Statement>, next: &Statement) -> bool {
 }
 
 fn with_flag(assign: &Assign, next: &Statement) -> Option<Expression> {
+    let (test, value) = overriding(assign, next)?;
+    flag(test, value, &assign.value)
+}
+
+/// The condition and the value of a statement `if (c) x = b;` after `x = a;`, where neither of them reads x.
+pub(crate) fn overriding<'s>(
+    assign: &Assign,
+    next: &'s Statement,
+) -> Option<(&'s Expression, &'s Expression)> {
     let Statement::If { test, then, otherwise } = next else { return None };
     let mut body = then.iter().filter(|statement| !statement.is_silent());
     let (Some(Statement::Assign(set)), None, []) = (body.next(), body.next(), &otherwise[..]) else {
@@ -51,5 +60,5 @@ fn with_flag(assign: &Assign, next: &Statement) -> Option<Expression> {
     };
     let reads = [test, &set.value, &assign.value].iter().any(|value| value.reads(assign.target));
     let is_whole = set.target == assign.target && set.at.is_none() && assign.at.is_none();
-    if is_whole && !reads { flag(test, &set.value, &assign.value) } else { None }
+    (is_whole && !reads).then_some((test, &set.value))
 }

@@ -174,7 +174,8 @@ impl Sheet {
         let mut lines: Vec<(String, String)> = vec![];
         let mut shared = "";
         let fixed = self.constants.iter().zip(&interface.slots).filter(|(_, slot)| !slot.is_parameter);
-        let (derived, mut given): (Vec<_>, Vec<_>) = fixed.partition(|(constant, _)| constant.formula.is_some());
+        let (derived, mut given): (Vec<_>, Vec<_>) =
+            fixed.partition(|(constant, _)| constant.formula.is_some());
         let types: Vec<String> = given.iter().map(|(constant, _)| constant.of_type.clone()).collect();
         let of_its_type = |constant: &Constant| types.iter().position(|of_type| *of_type == constant.of_type);
         given.sort_by_key(|(constant, _)| (!constant.comment.is_empty(), of_its_type(constant)));
@@ -259,9 +260,7 @@ fn in_rows(declarations: impl Iterator<Item = (String, String)>) -> Vec<(String,
     for (declaration, comment) in declarations {
         match rows.last_mut() {
             Some((row, said))
-                if said.is_empty()
-                    && comment.is_empty()
-                    && row.len() + declaration.len() + 6 <= WIDTH =>
+                if said.is_empty() && comment.is_empty() && row.len() + declaration.len() + 6 <= WIDTH =>
             {
                 *row += &format!(", {declaration}");
             }

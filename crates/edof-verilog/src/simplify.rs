@@ -5,7 +5,7 @@
 //! the other bits. What would be long stays a block.
 
 use crate::expression::{Expression, Node};
-use crate::flags::flag;
+use crate::flags::{flag, overriding};
 use crate::kernel::{Assign, Statement};
 use crate::process::Process;
 use crate::scope::{Scope, SignalId};
@@ -62,21 +62,13 @@ pub(crate) fn choices(scope: &Scope, statements: Vec<Statement>) -> Vec<Statemen
 
 /// One assignment for the last and the next statement, where the next gives the same target another value under a condition.
 fn chosen(scope: &Scope, last: &Statement, next: &Statement) -> Option<Assign> {
-    let (Statement::Assign(assign), Statement::If { test, then, otherwise }) = (last, next) else { return None };
-    let mut body = then.iter().filter(|statement| !statement.is_silent());
-    let (Some(Statement::Assign(set)), None, []) = (body.next(), body.next(), &otherwise[..]) else {
-        return None;
-    };
-    let is_whole = set.target == assign.target && set.at.is_none() && assign.at.is_none();
-    let reads = [test, &set.value, &assign.value].iter().any(|value| value.reads(assign.target));
+    let Statement::Assign(assign) = last else { return None };
+    let (test, value) = overriding(assign, next)?;
     let is_reset = matches!(test.node, Node::Signal(id) if scope.signals[id].key.ends_with("reset"));
-    if !is_whole || reads || is_reset {
-        return None;
-    }
-    let value = tidy::expression(choose(test.clone(), set.value.clone(), assign.value.clone()));
+    let value = tidy::expression(choose(test.clone(), value.clone(), assign.value.clone()));
     let mut choices = 0;
     value.walk(&mut |part| choices += usize::from(matches!(part.node, Node::Choose(..))));
-    (choices <= 1 && is_short(scope, &value)).then(|| Assign { value, ..assign.clone() })
+    (!is_reset && choices <= 1 && is_short(scope, &value)).then(|| Assign { value, ..assign.clone() })
 }
 
 fn is_short(scope: &Scope, value: &Expression) -> bool {
