@@ -39,6 +39,7 @@ class Case:
     options: list = field(default_factory=list)
     tolerance: float = TOLERANCE
     libraw: bool = True
+    ending: str = ".dng"
 
     def file(self):
         return dng(self.directories or [self.shot], self.order, self.big)
