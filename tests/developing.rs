@@ -242,6 +242,9 @@ fn an_order_of_bytes_without_effect_is_an_error() {
         let line = format!("reconstruct {file} {GREY} --size 48x32 {packing} --order big --out o.png");
         place.edof(&line).refused(&[&format!("--order big: has no effect on {file}, {what}")]);
     }
+    place
+        .edof("sensor --dark frame.raw --size 48x32 --packing bytes --order big --out s")
+        .refused(&["--order big: has no effect on bytes, which has no words"]);
     let line = format!("reconstruct frame.raw {GREY} --size 48x16 --order big --out o.png");
     place.edof(&line).done();
 }

@@ -227,12 +227,7 @@ impl Args {
             Some(rate) => rate,
             None => "30".parse()?,
         };
-        if self.order != ByteOrder::default() && self.packing != Packing::Words {
-            return Err(Error::message(format!(
-                "--order big: has no effect on {}, which has no words; leave --order out, or use --packing words",
-                self.packing.name()
-            )));
-        }
+        raw_words::check_order(self.order, self.packing)?;
         let fixed = weights::fixed(network)?;
         ui.used(weights::fixed_input(network)?);
         Ok(StreamJob {
