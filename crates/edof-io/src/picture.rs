@@ -245,10 +245,13 @@ pub fn is_first_of_several(bytes: &[u8]) -> bool {
 /// The number of pictures in the index of a multi-picture JPEG, which is a TIFF's directory.
 fn pictures_of_jpeg(jpeg: &[u8]) -> Option<usize> {
     const NUMBER_OF_IMAGES: u16 = 0xb001;
+    const START_OF_SCAN: u8 = 0xda;
     let mut rest = jpeg.get(2..)?;
     loop {
-        // Before the first scan.
-        let &[0xff, marker @ (..0xda | 0xdb..), high, low, ..] = rest else { return None };
+        let &[0xff, marker, high, low, ..] = rest else { return None };
+        if marker == START_OF_SCAN {
+            return None;
+        }
         let length = usize::from(high) << 8 | usize::from(low);
         let content = rest.get(4..2 + length)?;
         if let Some(index) = content.strip_prefix(b"MPF\0").filter(|_| marker == 0xe2) {

@@ -226,7 +226,10 @@ pub fn other_light(described: &Described<'_, '_>) -> Result<Option<String>, Reje
         }
     }
     let distance = |kelvin: f64| (1.0 / kelvin - 1.0 / shot).abs();
-    let nearer = |own: f64| others.into_iter().find(|other| distance(*other) < distance(own));
+    let nearer = |own: f64| {
+        let nearer = others.into_iter().filter(|other| distance(*other) < distance(own));
+        nearer.min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
+    };
     Ok(own.and_then(|own| Some((own, nearer(own)?))).map(|(own, other)| {
         format!(
             "was taken in light of about {:.0} K, nearer to its calibration for {other:.0} K than to that for {own:.0} K, which is taken \
