@@ -78,7 +78,7 @@ def stores():
     yield Case("jpeg-strips", (259, 278), shot(bits=14, compression=7, strip=11), libraw=False)
     yield Case("jpeg-one-component", (259,), shot(bits=12, compression=7, jpeg={"components": 1}))
     yield Case("jpeg-16", (259,), shot(bits=16, compression=7))
-    halves = np.repeat([0.0, 32768 / 65535], 2)[None, np.arange(WIDTH) % 4] * np.ones((HEIGHT, 1))
+    halves = np.where(np.arange(WIDTH) < WIDTH // 2, 16384, 49152)[None, :] / 65535 * np.ones((HEIGHT, 1))
     yield Case("jpeg-category-16", (259,), shot(light=halves, compression=7))
     before = dict(DNGVersion=[1, 0, 0, 0], DNGBackwardVersion=[1, 0, 0, 0])
     yield Case("jpeg-category-16-old", (259, 50706), shot(light=halves, compression=7, jpeg={"old": True}, **before), libraw=False)

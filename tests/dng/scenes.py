@@ -41,6 +41,10 @@ class Case:
     libraw: bool = True
     ending: str = ".dng"
 
+    @property
+    def file_name(self):
+        return self.name + self.ending
+
     def file(self):
         return dng(self.directories or [self.shot], self.order, self.big)
 
