@@ -3,7 +3,7 @@
 use crate::support::Place;
 use edof_core::{CfaPhase, RawFrame};
 use edof_io::photo;
-use edof_io::raw;
+use edof_io::raw::{self, RawOptions};
 use ndarray::Array2;
 use serde_json::Value;
 
@@ -173,6 +173,76 @@ fn a_dng_is_reconstructed_in_its_own_levels_and_colours() {
     ]);
     place.write("shot.dng", &dng(1, &[600; 48 * 32])[..900]);
     place.edof(&line).refused(&["shot.dng: ", "the file is cut: it ends before its pixels do"]);
+}
+
+#[test]
+fn a_linear_picture_states_so_and_is_captured_as_light() {
+    let place = Place::new();
+    place.float_network("net.safetensors");
+    flat(&place, "raw.pgm", 1024);
+    let captured = |options: &str| {
+        place
+            .edof(&format!(
+                "reconstruct raw.pgm --weights net.safetensors --float --bits 16 {options} --out a.png"
+            ))
+            .done();
+        let run = place.edof("capture a.png --psi 0 --camera clear --no-measure --out b.png").done();
+        (raw::load(&place.path("b.png"), &RawOptions::default()).unwrap().pixels()[(16, 24)], run.err)
+    };
+    let (light, note) = captured("--tone srgb --gamma linear");
+    assert!(
+        light.abs_diff(16384) < 40 && note.contains("a.png: states linear light (gAMA 1)"),
+        "{light} {note}"
+    );
+    let (_, note) = captured("--tone srgb --gamma bt709");
+    assert!(note.contains("a.png: states BT.709's curve (cICP 1)"), "{note}");
+    // sRGB needs no word, and in the paper's convention light is what a screen shows as it is.
+    for options in ["--tone srgb", "--tone linear"] {
+        assert!(!captured(options).1.contains("states"), "{options}");
+    }
+}
+
+#[test]
+fn the_board_names_what_it_leaves_out_of_a_dng() {
+    let place = Place::new();
+    place.fixed_network("net.fixed.safetensors");
+    place.write("shot.dng", dng(1, &[600; 48 * 32]));
+    let run = place.edof("reconstruct shot.dng --weights net.fixed.safetensors --board --out o.png").done();
+    assert!(run.err.contains("shot.dng: not applied, as the board does not: white balance"), "{}", run.err);
+}
+
+#[test]
+fn a_dark_dng_is_given_no_advice_that_is_an_error_beside_it() {
+    let place = Place::new();
+    place.float_network("net.safetensors");
+    place.write("shot.dng", dng(1, &[101; 48 * 32]));
+    let run = place.edof(&format!("reconstruct shot.dng {GREY} --out o.png")).done();
+    assert!(
+        run.err.contains("brightest pixel is 33 of 65535; a dark picture, or --white-level"),
+        "{}",
+        run.err
+    );
+    assert!(!run.err.contains("--bit-depth") && !run.err.contains("--align"), "{}", run.err);
+}
+
+#[test]
+fn an_order_of_bytes_without_effect_is_an_error() {
+    let place = Place::new();
+    place.float_network("net.safetensors");
+    place.write("frame.raw", [7; 48 * 32]);
+    place.raw("raw.png", 48, 32);
+    place.write("shot.dng", dng(1, &[600; 48 * 32]));
+    for (file, packing, what) in
+        [("frame.raw", "--packing bytes", "pixels that are no words"), ("raw.png", "", "a PNG picture")]
+    {
+        let line = format!("reconstruct {file} {GREY} --size 48x32 {packing} --order big --out o.png");
+        place.edof(&line).refused(&[&format!("--order big: has no effect on {file}, {what}")]);
+    }
+    place
+        .edof("sensor --dark frame.raw --size 48x32 --packing bytes --order big --out s")
+        .refused(&["--order big: has no effect on bytes, which has no words"]);
+    let line = format!("reconstruct frame.raw {GREY} --size 48x16 --order big --out o.png");
+    place.edof(&line).done();
 }
 
 #[test]

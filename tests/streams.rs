@@ -148,3 +148,22 @@ fn options_that_cannot_be_are_rejected_before_anything_is_written() {
     }
     assert!(!place.path("o.y4m").exists());
 }
+
+#[test]
+fn a_file_with_a_header_is_no_stream_and_bytes_have_no_order() {
+    let place = ready();
+    place.raw("shot.png", 48, 32);
+    let words = ["is a PNG picture, expected frames without headers", "'edof reconstruct'"];
+    place.edof(&format!("stream shot.png {LINE} --out o.y4m")).refused(&["shot.png: ", words[0], words[1]]);
+    bash(&place, &format!("cat shot.png | edof stream - {LINE} --out o.y4m")).refused(&[
+        "standard input: ",
+        words[0],
+        words[1],
+    ]);
+    place.write("shot.dng", b"II*\0\x08\0\0\0\0\0\0\0\0\0");
+    place.edof(&format!("stream shot.dng {LINE} --out o.y4m")).refused(&["shot.dng: is a TIFF"]);
+    place
+        .edof(&format!("stream all.12p {LINE} --packing 12p --order big --out o.y4m"))
+        .refused(&["--order big: has no effect on 12p"]);
+    assert!(!place.files().contains(&"o.y4m".to_owned()));
+}

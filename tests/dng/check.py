@@ -72,18 +72,18 @@ class Checker:
             name = f"{case.name}.light.png"
             write_png(self.program.folder / name, np.rint(light * 65536).clip(0, 65535).astype(np.uint16))
             plain.setdefault(case.phase or expected.phase(case.shot), []).append(name)
-            self.write(f"{case.name}.dng", case.file())
+            self.write(case.file_name, case.file())
         pictures = {}
         with ThreadPoolExecutor(2) as pool:
             jobs = [pool.submit(self.program.pictures, names, "--phase", phase) for phase, names in plain.items()]
             by_options = {}
             for case in found:
-                by_options.setdefault(tuple(case.options), []).append(f"{case.name}.dng")
+                by_options.setdefault(tuple(case.options), []).append(case.file_name)
             jobs += [pool.submit(self.program.pictures, names, *options) for options, names in by_options.items()]
             for job in jobs:
                 pictures |= job.result()
         for case in found:
-            check = lambda: self.same(case, pictures[f"{case.name}.light.png"], pictures[f"{case.name}.dng"])
+            check = lambda: self.same(case, pictures[f"{case.name}.light.png"], pictures[case.file_name])
             self.one("honoured", case.name, check, *case.rows)
 
     def same(self, case, reconstructed, picture):
@@ -282,7 +282,7 @@ def libraw(checker, found):
 
         def check():
             try:
-                raw = rawpy.imread(str(checker.program.folder / f"{case.name}.dng"))
+                raw = rawpy.imread(str(checker.program.folder / case.file_name))
                 read = raw.raw_image
             except rawpy.LibRawError as error:
                 raise Failed(f"LibRaw does not read it: {error}") from None

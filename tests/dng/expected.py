@@ -142,7 +142,8 @@ def plane_opcodes(pixels, shot, name, largest):
         pixels = pixels.copy()
         if number in (4, 5):
             unit = 1 if first and integer else 65535
-            repair(pixels, number, data, unit)
+            top, left = active_area(shot)[:2] if first else (0, 0)
+            repair(pixels, number, data, unit, np.roll(np.reshape(PHASES[phase(shot)], (2, 2)), (top, left), (0, 1)))
         elif number == 3:
             pixels *= vignette(data, pixels.shape)
         elif 7 <= number <= 13:
@@ -157,24 +158,23 @@ def plane_opcodes(pixels, shot, name, largest):
     return pixels
 
 
-def repair(pixels, number, data, unit):
+def repair(pixels, number, data, unit, cells):
     """Gives bad pixels the median of the nearest good ones of their colour: cells of one colour are two apart, greens also on diagonals.
     Good ones count at most 4 rows and columns away (docs/sensor.md, 3)."""
     height, width = pixels.shape
     bad = np.zeros(pixels.shape, bool)
     if number == 4:
-        constant, first = struct.unpack_from(">II", data)
+        constant = struct.unpack_from(">I", data)[0]
         bad |= np.rint(pixels * unit) == constant
     else:
-        first, points, rectangles = struct.unpack_from(">III", data)
+        _, points, rectangles = struct.unpack_from(">III", data)
         for index in range(points):
             bad[struct.unpack_from(">II", data, 12 + 8 * index)] = True
         for index in range(rectangles):
             top, left, bottom, right = struct.unpack_from(">4I", data, 12 + 8 * points + 16 * index)
             bad[top:bottom, left:right] = True
-    # Phase 0: the first pixel is red; 1: green in a row of red; 2: green in a row of blue; 3: blue.
-    colours = np.array([(0, 1, 1, 2), (1, 0, 2, 1), (1, 2, 0, 1), (2, 1, 1, 0)][first]).reshape(2, 2)
-    colours = np.tile(colours, (height // 2 + 1, width // 2 + 1))[:height, :width]
+    # The phase of the opcode is passed over: writers number phases in two ways, and the pattern states the same.
+    colours = np.tile(cells, (height // 2 + 1, width // 2 + 1))[:height, :width]
     source = pixels.copy()
     rows, columns = np.indices(pixels.shape)
     for row, column in np.argwhere(bad):

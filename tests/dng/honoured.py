@@ -78,6 +78,10 @@ def stores():
     yield Case("jpeg-strips", (259, 278), shot(bits=14, compression=7, strip=11), libraw=False)
     yield Case("jpeg-one-component", (259,), shot(bits=12, compression=7, jpeg={"components": 1}))
     yield Case("jpeg-16", (259,), shot(bits=16, compression=7))
+    halves = np.where(np.arange(WIDTH) < WIDTH // 2, 16384, 49152)[None, :] / 65535 * np.ones((HEIGHT, 1))
+    yield Case("jpeg-category-16", (259,), shot(light=halves, compression=7))
+    before = dict(DNGVersion=[1, 0, 0, 0], DNGBackwardVersion=[1, 0, 0, 0])
+    yield Case("jpeg-category-16-old", (259, 50706), shot(light=halves, compression=7, jpeg={"old": True}, **before), libraw=False)
     yield Case("jpeg-8", (259,), shot(bits=8, compression=7))
     yield Case("jpeg-tiles", (259, 322), shot(34, 50, 14, compression=7, tile=(16, 16)))
     yield Case("jpeg-restarts", (259,), shot(bits=12, compression=7, jpeg={"restart": 24}))
@@ -152,6 +156,8 @@ def frames():
     yield Case("colours-of-another", (50721, 50728), inner, [with_sub(thumb, inner)], colours={}, libraw=False)
     unnamed = shot(without=("DNGVersion", "DNGBackwardVersion"))
     yield Case("without-version", (50706,), unnamed, libraw=False)
+    ep = shot(phase="bggr", BlackLevel=3000, WhiteLevel=50000, without=("DNGVersion", "DNGBackwardVersion"))
+    yield Case("tiff-ep", (50706, 33422, 50714, 50717), ep, libraw=False, ending=".tif")
 
 
 def levels():

@@ -98,11 +98,19 @@ def repairs(number):
         yield Case(
             f"list{number}-bad-list-{axis}", (row,), shot(light=light, **{f"OpcodeList{number}": as_list(bad_list(0, points, rectangles))})
         )
-    for phase_number, phase in enumerate(expected.PHASES):
-        light = scene(phase=phase, flat=True)
-        light[9, 13] = light[14, 14] = light[20, 23] = light[25, 30] = light[0, 0] = light[31, 47] = 0.9
-        data = bad_list(phase_number, [(9, 13), (14, 14), (20, 23), (25, 30), (0, 0), (31, 47)], [])
-        yield Case(f"list{number}-bad-phase-{phase}", (row,), shot(light=light, phase=phase, **{f"OpcodeList{number}": as_list(data)}))
+    # The numbers of the specification, then those of Adobe's SDK and of Android.
+    for order in (("rggb", "grbg", "gbrg", "bggr"), ("grbg", "rggb", "bggr", "gbrg")):
+        for phase_number, phase in enumerate(order):
+            light = scene(phase=phase, flat=True)
+            light[9, 13] = light[14, 14] = light[20, 23] = light[25, 30] = light[0, 0] = light[31, 47] = 0.9
+            data = bad_list(phase_number, [(9, 13), (14, 14), (20, 23), (25, 30), (0, 0), (31, 47)], [])
+            name = f"list{number}-bad-phase-{phase}-{phase_number}"
+            yield Case(name, (row,), shot(light=light, phase=phase, **{f"OpcodeList{number}": as_list(data)}))
+    light = np.roll(scene(flat=True), (1, 1), (0, 1))
+    light[9, 13] = light[14, 14] = light[20, 23] = 0.9
+    data = as_list(bad_list(1, [(9, 13), (14, 14), (20, 23)], []))
+    if number == 1:
+        yield Case("list1-bad-area", (row,), shot(light=light, ActiveArea=[1, 1, 31, 47], OpcodeList1=data))
 
 
 def picture_lists():

@@ -6,8 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from opcodes import WHOLE, as_list, bad_list, doubles, floats, per_line, word
-from scenes import CALIBRATION, DAYLIGHT, HEIGHT, NEUTRAL, Note, OTHER, Rejection, WARM, WIDTH, preview, scene, shot, with_sub, without_dng
+from scenes import A, CALIBRATION, DAYLIGHT, HEIGHT, NEUTRAL, Note, OTHER, Rejection, WARM, WIDTH, preview, scene, shot, with_sub, without_dng
 from write import FLOAT, LONG, RATIONAL, SHORT, SRATIONAL, TAGS, UNDEFINED, area, dng, opcode
+
+
+OF_SRGB = [3.2406, -1.5372, -0.4986, -0.9689, 1.8758, 0.0415, 0.0557, -0.2040, 1.0570]
 
 
 def rejected():
@@ -61,6 +64,10 @@ def rejected():
     add("neutral-zero", 50728, ["AsShotNeutral", "white balance"], base(AsShotNeutral=[(0, 0)] * 3))
     add("neutral-zero-one", 50728, ["AsShotNeutral", "white balance"], base(AsShotNeutral=[0.5, 0, 0.5]))
     add("matrix-singular", 50721, ["ColorMatrix1"], base(ColorMatrix1=[1, 1, 1] * 3))
+    add("white-infinite", 50717, ["WhiteLevel", "white level"], base(WhiteLevel=("as", (RATIONAL, [(1, 0)]))))
+    add("analog-zero", 50727, ["AnalogBalance", "colour matrix"], base(AnalogBalance=[0, 1, 1], ColorMatrix1=WARM))
+    add("calibration-singular", 50723, ["CameraCalibration1", "colour matrix"], base(CameraCalibration1=[0.0] * 9, ColorMatrix1=WARM))
+    add("white-xy-zero", 50729, ["AsShotWhiteXY", "white balance"], base(AsShotWhiteXY=[0, 0], ColorMatrix1=WARM))
     add("black-count", 50714, ["BlackLevel"], base(BlackLevelRepeatDim=[2, 2], BlackLevel=[1, 2, 3]))
     add("black-repeat-zero", 50713, ["BlackLevelRepeatDim"], base(BlackLevelRepeatDim=[0, 2], BlackLevel=[1]))
     add("black-fraction-zero", 50714, ["BlackLevel"], base(BlackLevel=[(0, 0)]))
@@ -203,6 +210,10 @@ def noted():
     add("BaselineExposure-zero", 50730, ["BaselineExposure"], False, BaselineExposure=0)
     add("optional-opcode", 51009, ["OpcodeList2", "99"], OpcodeList2=as_list(opcode(99, b"1234", optional=True)))
     add("optional-warp2", 51022, ["OpcodeList3", "WarpRectilinear2"], OpcodeList3=as_list(opcode(14, b"1234", optional=True)))
+    both = {"ColorMatrix1": OF_SRGB, "ColorMatrix2": OF_SRGB, "CalibrationIlluminant1": A, "CalibrationIlluminant2": DAYLIGHT}
+    # What a sensor with the colours of linear sRGB sees of standard illuminant A and of D65.
+    add("tungsten", 0, ["2900 K", "2850 K", "6504 K"], **both, AsShotNeutral=[1.8452, 0.8263, 0.2333])
+    add("daylight", 0, [" K,"], False, **both, AsShotNeutral=[1, 1, 1])
     inner = [without_dng(shot()) for _ in range(3)]
     found.append(Note("several", dng([with_sub(*inner)]), 330, ["3", "frame"]))
     found.append(Note("one", dng([with_sub(inner[0])]), 330, ["frames"], False))

@@ -39,6 +39,11 @@ class Case:
     options: list = field(default_factory=list)
     tolerance: float = TOLERANCE
     libraw: bool = True
+    ending: str = ".dng"
+
+    @property
+    def file_name(self):
+        return self.name + self.ending
 
     def file(self):
         return dng(self.directories or [self.shot], self.order, self.big)

@@ -264,7 +264,7 @@ def from_fp24(word):
     return (-1) ** sign * (mantissa / 65536 * 2.0**-62 if exponent == 0 else (1 + mantissa / 65536) * 2.0 ** (exponent - 63))
 
 
-def lossless_jpeg(values, bits, components=2, predictor=1, restart=0, fold=1):
+def lossless_jpeg(values, bits, components=2, predictor=1, restart=0, fold=1, old=False):
     """Lossless Huffman JPEG (ITU-T T.81, process 14). Two components side by side put each colour of a row into one of
     them; `fold` rows of the picture are one of the stream."""
     values = values.reshape(values.shape[0] // fold, -1)
@@ -279,10 +279,10 @@ def lossless_jpeg(values, bits, components=2, predictor=1, restart=0, fold=1):
     head = b"\xff\xd8" + segment(0xC3, frame) + segment(0xC4, table)
     if restart:
         head += segment(0xDD, struct.pack(">H", restart))
-    return head + segment(0xDA, scan) + scan_data(samples, bits, predictor, restart) + b"\xff\xd9"
+    return head + segment(0xDA, scan) + scan_data(samples, bits, predictor, restart, old) + b"\xff\xd9"
 
 
-def scan_data(samples, bits, predictor, restart):
+def scan_data(samples, bits, predictor, restart, old):
     height, columns, components = samples.shape
     out, text = bytearray(), []
 
@@ -327,7 +327,7 @@ def scan_data(samples, bits, predictor, restart):
                     ][predictor]
                 difference = (value - predicted + 32768) % 65536 - 32768
                 if difference == -32768:
-                    text.append(f"{16:05b}")
+                    text.append(f"{16:05b}" + (f"{0x7FFF:016b}" if old else ""))
                     continue
                 category = abs(difference).bit_length()
                 text.append(f"{category:05b}")

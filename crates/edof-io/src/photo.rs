@@ -1,10 +1,11 @@
 //! Photographs: files to linear light and back. Sample values are taken as linear light, as the study does.
 
 use crate::gamut::Gamut;
-use crate::picture::{self, PictureError};
+use crate::picture::{self, Format, PictureError};
 use crate::samples::Samples;
-use crate::transfer::{Curve, Transfer};
+use crate::transfer::{Curve, Statement, Transfer};
 use edof_core::ColourFrame;
+use edof_core::storage::atomic;
 use ndarray::{Array2, Array3, Axis};
 use std::path::{Path, PathBuf};
 
@@ -163,8 +164,7 @@ pub fn load_grey(path: &Path) -> Result<Array2<f32>, PhotoError> {
 /// # Errors
 /// As [`load_grey`].
 pub fn load_integers(path: &Path) -> Result<Array2<u16>, PhotoError> {
-    let (planes, _) = picture::decode_photograph(&picture::read(path)?, path, |sample, _| sample)?;
-    grey(planes, path)
+    grey(picture::decode_integers(&picture::read(path)?, path)?, path)
 }
 
 /// Writes linear light as sample values of 8 or 16 bits, in the format that the ending of `path` stands for. Values are
@@ -173,13 +173,31 @@ pub fn load_integers(path: &Path) -> Result<Array2<u16>, PhotoError> {
 /// # Errors
 /// [`PhotoError`]; no file is left half written.
 pub fn save(path: &Path, frame: &ColourFrame, bits: u32) -> Result<(), PhotoError> {
+    save_stated(path, frame, bits, None)
+}
+
+/// Writes sample values as [`save`] does. A PNG states their curve; other formats state none.
+///
+/// # Errors
+/// As [`save`].
+pub fn save_stated(
+    path: &Path,
+    frame: &ColourFrame,
+    bits: u32,
+    curve: Option<Statement>,
+) -> Result<(), PhotoError> {
     let full_scale = match bits {
         8 => u16::from(u8::MAX),
         16 => u16::MAX,
         _ => return Err(PhotoError::Bits { path: path.to_owned(), bits }),
     };
     let planes = frame.planes.mapv(|v| (v.clamp(0.0, 1.0) * f32::from(full_scale)).round() as u16);
-    Ok(picture::save(path, &Samples { planes, full_scale })?)
+    let format = picture::format_of(path)?;
+    let mut bytes = picture::encode(&Samples { planes, full_scale }, format, path)?;
+    if let Some(curve) = curve.filter(|_| format == Format::Png) {
+        curve.put(&mut bytes);
+    }
+    Ok(atomic::write(path, &bytes).map_err(PictureError::from)?)
 }
 
 /// Reads all photographs of a folder.

@@ -3,7 +3,7 @@
 use crate::orientation::{Orientation, turned};
 use crate::png_chunks::chunks;
 use crate::samples::Samples;
-use crate::tiff::{Tiff, TiffError};
+use crate::tiff::{Tiff, TiffError, directory};
 use crate::{camera_raw, pnm};
 use edof_core::storage::input;
 use image::codecs::jpeg::JpegDecoder;
@@ -40,6 +40,9 @@ pub enum PictureError {
     /// A TIFF with colours that are multiplied by their alpha.
     #[error("{path}: its colours are multiplied by a transparency that is not full everywhere (ExtraSamples 1), expected an opaque picture; save it without transparency", path = path.display())]
     Transparent { path: PathBuf },
+    /// A TIFF of other inks than those of a four-colour print.
+    #[error("{path}: its colours are inks other than cyan, magenta, yellow and black (InkSet 2), expected grey, RGB or CMYK; save it as RGB", path = path.display())]
+    Inks { path: PathBuf },
     /// A camera's raw frame where a picture is expected.
     #[error("{path}: contains a camera's raw frame (DNG or TIFF of a camera), expected a picture; develop it first, as by 'edof reconstruct'", path = path.display())]
     CameraRaw { path: PathBuf },
@@ -190,7 +193,26 @@ pub fn decode_photograph<T: Clone>(
     Ok((turned(planes, orientation), full_scale))
 }
 
-/// Rejects a TIFF whose first picture is not the photograph.
+/// Decodes the integers of a photograph as they are stored, turned as [`decode_photograph`] does. Decoders spread those of a grey PNG of
+/// fewer than 8 bits over 8, and invert those of a TIFF whose 0 is white.
+///
+/// # Errors
+/// As [`decode_photograph`].
+pub fn decode_integers(bytes: &[u8], path: &Path) -> Result<Array3<u16>, PictureError> {
+    let (planes, full_scale) = decode_photograph(bytes, path, |sample, _| sample)?;
+    Ok(match (Format::of(bytes), bytes.get(24..26)) {
+        (Some(Format::Png), Some(&[bits @ 1..8, 0])) => {
+            let step = 255 / ((1 << bits) - 1);
+            planes.mapv_into(|v| v / step)
+        }
+        (Some(Format::Tiff), _) if Tiff::open(bytes).is_ok_and(|tiff| tiff.is_inverse()) => {
+            planes.mapv_into(|v| full_scale - v)
+        }
+        _ => planes,
+    })
+}
+
+/// Rejects a TIFF of a camera's raw frame.
 fn check_photograph(bytes: &[u8], path: &Path) -> Result<(), PictureError> {
     let Some(Ok(tiff)) = (Format::of(bytes) == Some(Format::Tiff)).then(|| Tiff::open(bytes)) else {
         return Ok(());
@@ -198,16 +220,44 @@ fn check_photograph(bytes: &[u8], path: &Path) -> Result<(), PictureError> {
     if camera_raw::is_name(path) || tiff.is_camera_raw() {
         return Err(PictureError::CameraRaw { path: path.to_owned() });
     }
-    if tiff.is_thumbnail() { Err(PictureError::Thumbnail { path: path.to_owned() }) } else { Ok(()) }
+    Ok(())
 }
 
-/// Returns whether a file has further pictures of the first one's kind, which is the one that is read: pages of a TIFF, or a stream of PGM.
+/// Returns whether a file has further pictures of the first one's kind, which is the one that is read: pages of a TIFF, a stream of PGM, an
+/// animation, or the pictures of a multi-picture JPEG (CIPA DC-007).
 #[must_use]
 pub fn is_first_of_several(bytes: &[u8]) -> bool {
     match Format::of(bytes) {
         Some(Format::Tiff) => Tiff::open(bytes).is_ok_and(|tiff| tiff.is_stack()),
         Some(Format::Pnm) => pnm::is_first_of_several(bytes),
-        _ => false,
+        Some(Format::Png) => chunks(bytes).any(|(name, content)| {
+            name == b"acTL" && content.first_chunk().is_some_and(|count| u32::from_be_bytes(*count) > 1)
+        }),
+        // A flag of the extended header.
+        Some(Format::WebP) => {
+            bytes.get(12..16) == Some(b"VP8X") && bytes.get(20).is_some_and(|flags| flags & 2 == 2)
+        }
+        Some(Format::Jpeg) => pictures_of_jpeg(bytes).is_some_and(|count| count > 1),
+        Some(Format::Bmp) | None => false,
+    }
+}
+
+/// The number of pictures in the index of a multi-picture JPEG, which is a TIFF's directory.
+fn pictures_of_jpeg(jpeg: &[u8]) -> Option<usize> {
+    const NUMBER_OF_IMAGES: u16 = 0xb001;
+    const START_OF_SCAN: u8 = 0xda;
+    let mut rest = jpeg.get(2..)?;
+    loop {
+        let &[0xff, marker, high, low, ..] = rest else { return None };
+        if marker == START_OF_SCAN {
+            return None;
+        }
+        let length = usize::from(high) << 8 | usize::from(low);
+        let content = rest.get(4..2 + length)?;
+        if let Some(index) = content.strip_prefix(b"MPF\0").filter(|_| marker == 0xe2) {
+            return directory::File::new(index)?.first()?.whole(NUMBER_OF_IMAGES);
+        }
+        rest = &rest[2 + length..];
     }
 }
 
@@ -268,6 +318,9 @@ fn decoded<T>(bytes: &[u8], path: &Path, of: impl Fn(u16, u16) -> T) -> Result<D
 /// By the reader that knows padded tiles and packed samples.
 fn tiff(bytes: &[u8]) -> Result<(Samples, Orientation), TiffError> {
     let tiff = Tiff::open(bytes)?;
+    if tiff.is_thumbnail() {
+        return Err(TiffError::Thumbnail);
+    }
     let orientation = Orientation::from_exif(tiff.orientation()).unwrap_or(Orientation::NoTransforms);
     Ok((tiff.samples()?, orientation))
 }
@@ -279,6 +332,8 @@ fn of_tiff(error: TiffError, path: &Path) -> PictureError {
         TiffError::Large(width, height) => PictureError::Decode { path, reason: too_large(width, height) },
         TiffError::Samples(found) => PictureError::Kind { path, found },
         TiffError::Unread(found) => PictureError::Unread { path, found },
+        TiffError::Inks => PictureError::Inks { path },
+        TiffError::Thumbnail => PictureError::Thumbnail { path },
         TiffError::Transparent => PictureError::Transparent { path },
     }
 }

@@ -26,16 +26,16 @@ impl Profile {
         profile.map(Self)
     }
 
-    /// Returns the exponent from samples to light of the first channel's curve, where that is a power.
+    /// Returns the light, 0 to 1, of a sample by the first channel's curve.
     #[must_use]
-    pub fn exponent(&self) -> Option<f64> {
+    pub fn light(&self, sample: f64) -> Option<f64> {
         let curve = self.tag(b"rTRC").or_else(|| self.tag(b"kTRC"))?;
-        match (curve.get(..4)?, u16_at(curve, 8)?) {
-            (b"para", 0) => fixed(curve, 12),
-            (b"curv", _) => match u32_at(curve, 8)? {
-                0 => Some(1.0),
-                1 => Some(f64::from(u16_at(curve, 12)?) / 256.0),
-                _ => None,
+        match curve.get(..4)? {
+            b"para" => parametric(curve, sample),
+            b"curv" => match u32_at(curve, 8)? as usize {
+                0 => Some(sample),
+                1 => Some(sample.powf(f64::from(u16_at(curve, 12)?) / 256.0)),
+                points => between(points, sample, |index| u16_at(curve, 12 + 2 * index)),
             },
             _ => None,
         }
@@ -79,6 +79,32 @@ impl Profile {
     }
 }
 
+/// The light of a sample by one of the formulas of a `para` curve (section 10.16); their parameters are in the order g, a, b, c, d, e, f.
+fn parametric(curve: &[u8], x: f64) -> Option<f64> {
+    let kind = u16_at(curve, 8)?;
+    let count = *[1, 3, 4, 5, 7].get(usize::from(kind))?;
+    let mut p = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    for (index, value) in p.iter_mut().enumerate().take(count) {
+        *value = fixed(curve, 12 + 4 * index)?;
+    }
+    let [g, a, b, c, d, e, f] = p;
+    let power = (a * x + b).max(0.0).powf(g);
+    Some(match kind {
+        0 | 1 => power,
+        2 => power + c,
+        _ if x < d => c * x + f,
+        _ => power + e,
+    })
+}
+
+/// The light of a sample between the points of a table of 16-bit numbers.
+pub fn between<T: Into<f64>>(points: usize, sample: f64, at: impl Fn(usize) -> Option<T>) -> Option<f64> {
+    let place = sample * points.checked_sub(1)? as f64;
+    let (low, share) = (place.floor() as usize, place.fract());
+    let [from, to] = [at(low)?.into(), at((low + 1).min(points - 1))?.into()];
+    Some((from + share * (to - from)) / 65535.0)
+}
+
 fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
     Some(u32::from_be_bytes(*bytes.get(at..)?.first_chunk()?))
 }
@@ -117,16 +143,29 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn a_power_is_known_from_each_kind_of_curve() {
-        let of = |curve: &[u8]| profile(&[(b"rTRC", curve)]).exponent();
-        assert_eq!(of(b"curv\0\0\0\0\0\0\0\0"), Some(1.0));
-        assert_eq!(of(b"curv\0\0\0\0\0\0\0\x01\x01\0"), Some(1.0));
-        assert_eq!(of(b"curv\0\0\0\0\0\0\0\x01\x02\x33"), Some(563.0 / 256.0));
-        assert_eq!(of(b"para\0\0\0\0\0\0\0\0\0\x01\0\0"), Some(1.0));
-        assert_eq!(of(b"para\0\0\0\0\0\x03\0\0\0\x02\x66\x66"), None);
+    fn light_is_known_from_each_kind_of_curve() {
+        let of = |curve: &[u8]| profile(&[(b"rTRC", curve)]).light(0.5);
+        assert_eq!(of(b"curv\0\0\0\0\0\0\0\0"), Some(0.5));
+        assert_eq!(of(b"curv\0\0\0\0\0\0\0\x01\x02\0"), Some(0.25));
+        assert_eq!(of(b"curv\0\0\0\0\0\0\0\x02\0\0\xff\xff"), Some(0.5));
+        assert_eq!(of(b"curv\0\0\0\0\0\0\0\x03\0\0\x33\x33\xff\xff"), Some(0.2));
+        let para = |kind: u8, numbers: &[f64]| {
+            let numbers = numbers.iter().flat_map(|v| ((v * 65536.0).round() as i32).to_be_bytes());
+            let curve: Vec<u8> =
+                b"para\0\0\0\0\0".iter().copied().chain([kind, 0, 0]).chain(numbers).collect();
+            of(&curve)
+        };
+        assert_eq!(para(0, &[2.0]), Some(0.25));
+        assert_eq!(para(1, &[2.0, 0.5, 0.25]), Some(0.25));
+        assert_eq!(para(2, &[2.0, 0.5, 0.25, 0.125]), Some(0.375));
+        assert_eq!(para(3, &[2.0, 0.5, 0.25, 0.5, 0.25]), Some(0.25));
+        assert_eq!(para(3, &[2.0, 0.5, 0.25, 0.5, 0.75]), Some(0.25));
+        assert_eq!(para(4, &[2.0, 0.5, 0.25, 0.5, 0.75, 0.0, 0.5]), Some(0.75));
+        assert_eq!(para(4, &[2.0, 0.5, 0.25, 0.5, 0.25, 0.125, 0.0]), Some(0.375));
+        assert_eq!(para(5, &[2.0; 7]), None);
         assert_eq!(of(b"curv\0\0\0\0\0\0\x04\0\0\0\0\0"), None);
         assert_eq!(of(b"curv"), None);
-        assert_eq!(profile(&[(b"kTRC", b"curv\0\0\0\0\0\0\0\0")]).exponent(), Some(1.0));
+        assert_eq!(profile(&[(b"kTRC", b"curv\0\0\0\0\0\0\0\0")]).light(0.25), Some(0.25));
     }
 
     #[test]
@@ -143,7 +182,7 @@ pub(crate) mod tests {
         let whole = profile(&[(b"rXYZ", &xyz([0.4, 0.2, 0.0])), (b"rTRC", b"curv\0\0\0\0\0\0\0\0")]).0;
         for length in 0..whole.len() {
             let cut = Profile(whole[..length].to_vec());
-            assert_eq!((cut.colours(), cut.name(), cut.exponent()), (None, None, None));
+            assert_eq!((cut.colours(), cut.name(), cut.light(0.5)), (None, None, None));
         }
     }
 }

@@ -3,8 +3,8 @@
 //! A mosaic looks the same in every phase and behind every lens, and a network that is given the wrong one makes a wrong picture
 //! without complaint. So [`crate::raw`]'s files carry what they cannot say themselves.
 //!
-//! Other programs put JSON beside frames, too. A file is taken for a record if its JSON has the field `phase` and one of `sha256`,
-//! `alignment` and `provenance`. Text that is not valid JSON is taken for one if it names these fields, or begins with `phase` as a
+//! Other programs put JSON beside frames, too. A file is taken for a record if its JSON has the field `phase` and one of `sha256` and
+//! `provenance`, or a word as `phase` and the field `alignment`. Text that is not valid JSON is taken for one if it names these fields, or begins with `phase` as a
 //! truncated record does. Any other file is passed over.
 
 mod exposure;
@@ -20,8 +20,8 @@ use edof_core::storage::atomic::{self, WriteError};
 use edof_core::storage::json;
 use edof_core::storage::provenance::{Input, Provenance};
 use edof_core::{CfaPhase, Noise, RawFrame, Tone};
-use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -117,6 +117,7 @@ pub enum Field {
     Alignment,
     Size,
     Packing,
+    Order,
     BlackLevel,
     WhiteLevel,
     Tone,
@@ -131,6 +132,7 @@ impl std::fmt::Display for Field {
             Self::Alignment => "alignment",
             Self::Size => "size",
             Self::Packing => "packing",
+            Self::Order => "byte order",
             Self::BlackLevel => "black level",
             Self::WhiteLevel => "white level",
             Self::Tone => "tone",
@@ -217,8 +219,13 @@ fn is_record(text: &str) -> bool {
     let names_record = |has: &dyn Fn(&str) -> bool| {
         has("phase") && ["sha256", "alignment", "provenance"].into_iter().any(has)
     };
-    match json::parse::<BTreeMap<String, IgnoredAny>>(text) {
-        Ok(fields) => names_record(&|name| fields.contains_key(name)),
+    match json::parse::<BTreeMap<String, Value>>(text) {
+        Ok(mut fields) => {
+            if !fields.get("phase").is_some_and(Value::is_string) {
+                fields.remove("alignment");
+            }
+            names_record(&|name| fields.contains_key(name))
+        }
         Err(_) => {
             let text = text.trim_start_matches(|c: char| c == '\u{feff}' || c.is_whitespace());
             let begins = |text: &str| text.trim_start().starts_with("\"phase\"");

@@ -1,11 +1,13 @@
 //! Transfer curves that picture files state: whether samples are linear light, sRGB codes, or codes of another curve.
 //!
 //! A PNG states its curve in chunks. Of these cICP precedes iCCP, iCCP precedes sRGB, and sRGB precedes gAMA, as in "Portable Network
-//! Graphics (PNG) Specification (Third Edition)", section 4.3. JPEG, WebP and TIFF may have an ICC profile. Other formats state nothing.
+//! Graphics (PNG) Specification (Third Edition)", section 4.3. JPEG, WebP and TIFF may have an ICC profile, TIFF a TransferFunction
+//! besides. Other formats state nothing.
 
 use crate::picture::Format;
-use crate::png_chunks::chunks;
-use crate::profile::Profile;
+use crate::png_chunks::{chunks, insert};
+use crate::profile::{Profile, between};
+use crate::tiff::Tiff;
 use edof_core::Tone;
 use std::fmt::{self, Display, Formatter};
 
@@ -29,6 +31,25 @@ pub enum Curve {
     Other(&'static str),
 }
 
+/// Curve that the program states in the PNGs that it writes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Statement {
+    /// Samples are linear light: gAMA 1.
+    Linear,
+    /// Samples are codes of BT.709's curve: cICP 1.
+    Bt709,
+}
+
+impl Statement {
+    /// States the curve in a PNG without such a statement.
+    pub(crate) fn put(self, png: &mut Vec<u8>) {
+        match self {
+            Self::Linear => insert(png, *b"gAMA", &100_000u32.to_be_bytes()),
+            Self::Bt709 => insert(png, *b"cICP", &[1, 1, 0, 1]),
+        }
+    }
+}
+
 impl Display for Transfer {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let curve = match self.curve {
@@ -46,7 +67,12 @@ impl Transfer {
     pub fn of(bytes: &[u8]) -> Option<Self> {
         match Format::of(bytes)? {
             Format::Png => of_png(bytes),
-            _ => of_profile(&Profile::of(bytes)?),
+            // A profile decides.
+            format => match Profile::of(bytes) {
+                Some(profile) => of_profile(&profile),
+                None if format == Format::Tiff => of_transfer_function(&Tiff::open(bytes).ok()?),
+                None => None,
+            },
         }
     }
 
@@ -115,14 +141,29 @@ fn gamma(content: &[u8]) -> Option<Transfer> {
     Some(Transfer { curve, source: format!("gAMA {exponent}") })
 }
 
-/// Curve of an ICC profile's first channel, where it is a power other than about 2.2; other profiles are taken as encoded like sRGB.
+/// Curve of an ICC profile's first channel, where it is far from sRGB's and from a power of 2.2.
 fn of_profile(profile: &Profile) -> Option<Transfer> {
-    let exponent = profile.exponent()?;
-    if is(exponent, 1.0) {
-        return Some(Transfer { curve: Curve::Linear, source: "ICC profile".to_owned() });
+    measured("ICC profile", |sample| profile.light(sample))
+}
+
+/// The same of a TIFF's TransferFunction.
+fn of_transfer_function(tiff: &Tiff<'_>) -> Option<Transfer> {
+    let curve = tiff.transfer_function()?;
+    let at = |index| curve.get(index).and_then(|light| u16::try_from(*light).ok());
+    measured("TransferFunction (301)", |sample| between(curve.len(), sample, at))
+}
+
+/// A curve by the exponents that it has at a quarter, half and three quarters of full scale.
+fn measured(source: &str, light: impl Fn(f64) -> Option<f64>) -> Option<Transfer> {
+    let exponent = |sample: f64| Some(light(sample)?.ln() / sample.ln());
+    let all = [exponent(0.25)?, exponent(0.5)?, exponent(0.75)?];
+    let are = |other: f64| all.iter().all(|exponent| is(*exponent, other));
+    if are(1.0) {
+        return Some(Transfer { curve: Curve::Linear, source: source.to_owned() });
     }
-    let source = format!("ICC profile, exponent {exponent:.2}");
-    (!is(exponent, 2.2)).then_some(Transfer { curve: Curve::Other("another power"), source })
+    let name = if are(all[1]) { "another power" } else { "another curve" };
+    let source = format!("{source}, exponent {:.2}", all[1]);
+    (!are(2.2)).then_some(Transfer { curve: Curve::Other(name), source })
 }
 
 #[cfg(test)]
@@ -192,5 +233,20 @@ pub(crate) mod tests {
         let power = with(b"curv\0\0\0\0\0\0\0\x01\x01\xcd");
         assert_eq!(power.as_deref(), Some("another power (ICC profile, exponent 1.80)"));
         assert_eq!(with(b"curv"), None);
+        // Linear by two points, and by the formula of sRGB with an exponent of 1; sRGB's own; 16 points of CIE L*.
+        assert_eq!(
+            with(b"curv\0\0\0\0\0\0\0\x02\0\0\xff\xff").as_deref(),
+            Some("linear light (ICC profile)")
+        );
+        let para = |numbers: [f64; 5]| {
+            let numbers = numbers.iter().flat_map(|v| ((v * 65536.0).round() as i32).to_be_bytes());
+            with(&b"para\0\0\0\0\0\x03\0\0".iter().copied().chain(numbers).collect::<Vec<_>>())
+        };
+        assert_eq!(para([1.0, 1.0, 0.0, 1.0, 0.0]).as_deref(), Some("linear light (ICC profile)"));
+        assert_eq!(para([2.4, 1.0 / 1.055, 0.055 / 1.055, 1.0 / 12.92, 0.04045]), None);
+        let lightness = (0..16).map(|i| (65535.0 * ((f64::from(i) / 0.15 + 16.0) / 116.0).powi(3)) as u16);
+        let lightness = lightness.flat_map(u16::to_be_bytes);
+        let table: Vec<u8> = b"curv\0\0\0\0\0\0\0\x10".iter().copied().chain(lightness).collect();
+        assert_eq!(with(&table).as_deref(), Some("another curve (ICC profile, exponent 2.43)"));
     }
 }

@@ -96,6 +96,7 @@ pub struct Args {
 /// Frames, a list or levels that cannot be used, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     args.check(ui)?;
+    raw_words::check_order(args.order, args.packing)?;
     let job = args.job();
     let bar = ui.progress((args.dark.len() + args.flat.len()) as u64, "files");
     let done = std::cell::Cell::new(0);

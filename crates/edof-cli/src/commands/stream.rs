@@ -15,12 +15,12 @@ use edof_core::words::count;
 use edof_core::{CfaPhase, Noise, Tone};
 use edof_io::levels::{Black, Levels};
 use edof_io::packing::{ByteOrder, Packing};
-use edof_io::raw::Size;
+use edof_io::raw::{self, Size};
 use edof_io::rendering::{ColourMatrix, WhiteBalance};
 use edof_io::y4m::Rate;
 use serde_json::json;
 use std::fs::File;
-use std::io::{self, Read, Write};
+use std::io::{self, Cursor, Read, Write};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -130,6 +130,9 @@ impl FromStr for Balanced {
     }
 }
 
+/// Bytes that show a format.
+const HEAD: u64 = 16;
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Form {
     /// YUV4MPEG2
@@ -147,11 +150,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     args.check_files(&name, ui)?;
     let job = args.job(&name, ui)?;
     job.check().map_err(|error| args.failed(&error))?;
+    let input = args.input()?;
     args.check_length(&job.layout)?;
     let tell = |pace: &Pace| ui.status(in_words(pace), &json!({ "stream": pace }));
-    let done = job
-        .run(args.input()?, args.output()?, &tell, &interrupt::flow)
-        .map_err(|error| args.failed(&error))?;
+    let done =
+        job.run(input, args.output()?, &tell, &interrupt::flow).map_err(|error| args.failed(&error))?;
     let pace = &done.pace;
     if pace.frames == 0 && !done.is_closed && !done.is_stopped {
         return Err(Error::message(format!("{}: ended before the first frame", args.raw_in_words())));
@@ -224,6 +227,7 @@ impl Args {
             Some(rate) => rate,
             None => "30".parse()?,
         };
+        raw_words::check_order(self.order, self.packing)?;
         let fixed = weights::fixed(network)?;
         ui.used(weights::fixed_input(network)?);
         Ok(StreamJob {
@@ -266,12 +270,24 @@ impl Args {
         }
     }
 
+    /// Opens the frames. Rejects what begins as a file of a format with headers does.
     fn input(&self) -> Result<Box<dyn Read + Send>, Error> {
-        if is_standard(&self.raw) {
-            return Ok(Box::new(io::stdin()));
+        let failed = |error| Error::message(format!("{}: cannot read: {error}", self.raw_in_words()));
+        let mut input: Box<dyn Read + Send> = match is_standard(&self.raw) {
+            true => Box::new(io::stdin()),
+            false => Box::new(File::open(&self.raw).map_err(failed)?),
+        };
+        let mut head = vec![];
+        input.by_ref().take(HEAD).read_to_end(&mut head).map_err(failed)?;
+        match raw::of_content(&head) {
+            Some(format) => Err(Error::message(format!(
+                "{}: is {}, expected frames without headers, one after the other; 'edof reconstruct' reads {}",
+                self.raw_in_words(),
+                format.noun,
+                format.noun
+            ))),
+            None => Ok(Box::new(Cursor::new(head).chain(input))),
         }
-        let failed = |error| Error::message(format!("{}: cannot read: {error}", self.raw.display()));
-        Ok(Box::new(File::open(&self.raw).map_err(failed)?))
     }
 
     fn output(&self) -> Result<Box<dyn Write + Send>, Error> {

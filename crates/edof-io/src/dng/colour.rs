@@ -83,6 +83,9 @@ const TEMPERATURES: [(usize, f64); 20] = [
 /// The light source whose chromaticity a tag of its own has.
 const OTHER: usize = 255;
 
+/// What helps where a calibration cannot be used.
+const INSTEAD: &str = "or state the white balance and the colour matrix";
+
 /// Where a frame's colours are described: the file's first directory, else its own.
 pub struct Described<'a, 'd>(pub [&'d Directory<'a>; 2]);
 
@@ -100,7 +103,8 @@ impl<'a> Described<'a, '_> {
     fn bytes(&self, tag: Tag) -> Result<&'a [u8], Rejection> {
         let found = self.0.iter().find(|directory| directory.has(tag));
         let bytes = found.map_or(Ok(None), |found| found.bytes(tag))?.unwrap_or_default();
-        Ok(bytes.strip_suffix(&[0]).unwrap_or(bytes))
+        // Writers end a text by one zero byte or several.
+        Ok(bytes.iter().rposition(|byte| *byte != 0).map_or(&[], |last| &bytes[..=last]))
     }
 
     /// The temperature of a calibration's light, if it is known.
@@ -136,9 +140,17 @@ impl<'a> Described<'a, '_> {
     /// Balance of the analog gains times the calibration of this copy of the camera.
     fn individual(&self, of: &Calibration) -> Result<Matrix, Rejection> {
         let gains = self.exactly::<3>(tags::ANALOG_BALANCE)?.unwrap_or([1.0; 3]);
+        if gains.iter().any(|gain| *gain <= 0.0) {
+            let expected = format!("three numbers above 0; {INSTEAD}");
+            return Err(Rejection::wrong(tags::ANALOG_BALANCE, &gains, expected));
+        }
         let is_for_profile =
             self.bytes(tags::CALIBRATION_SIGNATURE)? == self.bytes(tags::PROFILE_SIGNATURE)?;
         let camera = self.matrix(of.camera)?.filter(|_| is_for_profile).unwrap_or(IDENTITY);
+        if inverse(camera).is_none() {
+            let expected = format!("a matrix that can be inverted; {INSTEAD}");
+            return Err(Rejection::wrong(of.camera, camera.as_flattened(), expected));
+        }
         Ok(product(diagonal(gains), camera))
     }
 
@@ -161,6 +173,7 @@ impl<'a> Described<'a, '_> {
         if is_possible(&neutral) {
             Ok(Some(neutral))
         } else {
+            let expected = "x and y of a white that the sensor sees; or state the white balance";
             Err(Rejection::wrong(tags::WHITE_XY, &[x, y], expected))
         }
     }
@@ -190,23 +203,67 @@ pub fn rendering(described: &Described<'_, '_>, overrides: &Overrides) -> Result
     Ok(Rendering { white_balance, matrix })
 }
 
+/// What light a shot was taken in, where it is nearer to that of another calibration than of the one that is taken.
+///
+/// # Errors
+/// As [`rendering`].
+pub fn other_light(described: &Described<'_, '_>) -> Result<Option<String>, Rejection> {
+    let Some(chosen) = described.daylight()? else { return Ok(None) };
+    let (Some(colour), Some(neutral)) = (described.matrix(chosen.colour)?, described.neutral()?) else {
+        return Ok(None);
+    };
+    let camera = product(described.individual(chosen)?, colour);
+    let Some([x, y, z]) = inverse(camera).map(|xyz| times(xyz, neutral)) else { return Ok(None) };
+    let shot = temperature_of([x / (x + y + z), y / (x + y + z)]);
+    if !(1000.0..=50_000.0).contains(&shot) {
+        return Ok(None);
+    }
+    let (own, mut others) = (described.temperature(chosen)?, vec![]);
+    for other in &CALIBRATIONS {
+        if described.exactly::<9>(other.colour)?.is_some() || described.exactly::<9>(other.forward)?.is_some()
+        {
+            others.extend(described.temperature(other)?);
+        }
+    }
+    let distance = |kelvin: f64| (1.0 / kelvin - 1.0 / shot).abs();
+    let nearer = |own: f64| {
+        let nearer = others.into_iter().filter(|other| distance(*other) < distance(own));
+        nearer.min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
+    };
+    Ok(own.and_then(|own| Some((own, nearer(own)?))).map(|(own, other)| {
+        format!(
+            "was taken in light of about {:.0} K, nearer to its calibration for {other:.0} K than to that for {own:.0} K, which is taken \
+             as for every shot; state the colour matrix for other colours",
+            (shot / 100.0).round() * 100.0
+        )
+    }))
+}
+
 fn matrix(
     described: &Described<'_, '_>,
     white_balance: Option<WhiteBalance>,
 ) -> Result<Option<ColourMatrix>, Rejection> {
     let Some(calibration) = described.daylight()? else { return Ok(None) };
     let individual = described.individual(calibration)?;
-    let singular = |tag| move || Rejection::wrong(tag, &[], "a matrix that can be inverted");
+    let singular = |tag, of: Matrix| {
+        move || {
+            Rejection::wrong(
+                tag,
+                of.as_flattened(),
+                "a matrix that can be inverted; or state the colour matrix",
+            )
+        }
+    };
     let (tag, rows) = if let Some(forward) = described.matrix(calibration.forward)? {
         let neutral =
             white_balance.map_or([1.0; 3], |balance| <[f64; 3]>::from(balance).map(|gain| 1.0 / gain));
-        let reference = inverse(individual).ok_or_else(singular(calibration.camera))?;
+        let reference = inverse(individual).ok_or_else(singular(calibration.camera, individual))?;
         let balance = diagonal(times(reference, neutral).map(|share| 1.0 / share));
         let balanced = product(product(balance, reference), diagonal(neutral));
         (calibration.forward, scaled(product(SRGB_FROM_D50, product(forward, balanced))))
     } else if let Some(colour) = described.matrix(calibration.colour)? {
         let seen = product(product(individual, colour), D65_FROM_SRGB);
-        (calibration.colour, inverse(scaled(seen)).ok_or_else(singular(calibration.colour))?)
+        (calibration.colour, inverse(scaled(seen)).ok_or_else(singular(calibration.colour, colour))?)
     } else {
         return Ok(None);
     };

@@ -36,12 +36,6 @@ impl Default for Finish {
 }
 
 impl Finish {
-    /// Whether the picture stays as it is.
-    #[must_use]
-    pub fn is_identity(&self) -> bool {
-        self == &Self::default()
-    }
-
     /// Corrects a picture in the sensor's colours.
     pub fn correct(&self, picture: &mut ColourFrame) {
         if let Some(corrections) = &self.corrections {

@@ -6,7 +6,7 @@ use super::tags::{self, Tag};
 use edof_core::words;
 
 /// PhotometricInterpretation of a mosaic.
-const COLOUR_FILTER_ARRAY: usize = 32803;
+pub const COLOUR_FILTER_ARRAY: usize = 32803;
 /// PhotometricInterpretation of three colours at each pixel.
 const LINEAR_RAW: usize = 34892;
 /// The latest version of the specification from which this reader is written.

@@ -103,7 +103,13 @@ impl BlackLevels {
 /// The value of full light: the file's, else the largest of its bits, or 1 of floating-point numbers.
 fn white(raw: &Directory<'_>, sample: Sample) -> Result<f64, Rejection> {
     if let Some(white) = raw.numbers(tags::WHITE_LEVEL)? {
-        return white.first().copied().ok_or_else(|| Rejection::wrong(tags::WHITE_LEVEL, &[], "a number"));
+        let is_level = |white: &&f64| white.is_finite();
+        let expected = "a number; or state the white level";
+        return white
+            .first()
+            .filter(is_level)
+            .copied()
+            .ok_or_else(|| Rejection::wrong(tags::WHITE_LEVEL, &white, expected));
     }
     let largest = raw.numbers(tags::LINEARIZATION)?.unwrap_or_default().into_iter().fold(0.0, f64::max);
     match sample {

@@ -35,6 +35,22 @@ struct Bits<'a> {
     count: u32,
     /// Bits that the stream did not hold.
     missing: u32,
+    kind: Kind,
+}
+
+/// How a difference of category 16 is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Without further bits, as T.81 states it: it is 32768.
+    Standard,
+    /// With 16 further bits, as DNG before 1.1 has it.
+    BeforeDng1_1,
+}
+
+impl<'a> Bits<'a> {
+    const fn new(bytes: &'a [u8], at: usize, kind: Kind) -> Self {
+        Self { bytes, at, held: 0, count: 0, missing: 0, kind }
+    }
 }
 
 impl Bits<'_> {
@@ -62,9 +78,10 @@ impl Bits<'_> {
 
     /// Resumes behind the next marker, which must be that of a restart.
     fn restart(&mut self) -> Result<(), Reason> {
-        match self.bytes.get(self.at..) {
+        let at = filled(self.bytes, self.at);
+        match self.bytes.get(at..) {
             Some([0xff, 0xd0..=0xd7, ..]) => {
-                *self = Bits { bytes: self.bytes, at: self.at + 2, held: 0, count: 0, missing: 0 };
+                *self = Bits::new(self.bytes, at + 2, self.kind);
                 Ok(())
             }
             _ => Err(DAMAGED),
@@ -87,7 +104,7 @@ impl Bits<'_> {
         self.take(length);
         let value = match bits {
             0 => 0,
-            16 => 32768,
+            16 if self.kind == Kind::Standard => 32768,
             _ => {
                 let value = self.take(bits) as i32;
                 if value >> (bits - 1) == 0 { value - (1 << bits) + 1 } else { value }
@@ -106,11 +123,17 @@ struct Header {
     components: usize,
 }
 
+/// Returns where the marker is that begins at a byte or after fill bytes (T.81, B.1.1.2).
+fn filled(bytes: &[u8], at: usize) -> usize {
+    let rest = bytes.get(at..).unwrap_or_default();
+    at + rest.windows(2).take_while(|two| **two == [0xff; 2]).count()
+}
+
 /// Samples of a stream row by row, components interleaved; `expected` is how many there must be.
 ///
 /// # Errors
 /// A stream that is damaged, of another kind, or of another size.
-pub fn decode(bytes: &[u8], expected: usize) -> Result<Vec<u16>, Reason> {
+pub fn decode(bytes: &[u8], expected: usize, kind: Kind) -> Result<Vec<u16>, Reason> {
     let mut at = 2;
     let (mut codes, mut header): ([Option<Codes>; 4], Option<Header>) = ([const { None }; 4], None);
     let mut restart = 0u16;
@@ -118,6 +141,7 @@ pub fn decode(bytes: &[u8], expected: usize) -> Result<Vec<u16>, Reason> {
         return Err("its tiles are no JPEG");
     }
     loop {
+        at = filled(bytes, at);
         let Some(&[0xff, marker, high, low]) = bytes.get(at..at + 4) else { return Err(DAMAGED) };
         let length = usize::from(high) << 8 | usize::from(low);
         let part = bytes.get(at + 4..at + 2 + length).ok_or(DAMAGED)?;
@@ -130,7 +154,8 @@ pub fn decode(bytes: &[u8], expected: usize) -> Result<Vec<u16>, Reason> {
             0xda => {
                 let header = header.ok_or(DAMAGED)?;
                 let rows = rows_between_restarts(usize::from(restart), header.columns)?;
-                return scan(&header, part, &codes, bytes.get(at..).unwrap_or_default(), rows);
+                let bits = Bits::new(bytes, at, kind);
+                return scan(&header, part, &codes, bits, rows);
             }
             _ => (),
         }
@@ -142,7 +167,10 @@ fn tables(mut part: &[u8], codes: &mut [Option<Codes>; 4]) -> Result<(), Reason>
         let counts = rest.get(..16).ok_or(DAMAGED)?;
         let total: usize = counts.iter().map(|c| usize::from(*c)).sum();
         let symbols = rest.get(16..16 + total).ok_or(DAMAGED)?;
-        *codes.get_mut(usize::from(*place)).ok_or(DAMAGED)? = Some(Codes::new(counts, symbols)?);
+        // Tables of class 1 are for lossy streams.
+        if !(0x10..0x14).contains(place) {
+            *codes.get_mut(usize::from(*place)).ok_or(DAMAGED)? = Some(Codes::new(counts, symbols)?);
+        }
         part = &rest[16 + total..];
     }
     Ok(())
@@ -181,7 +209,7 @@ fn scan(
     header: &Header,
     part: &[u8],
     codes: &[Option<Codes>; 4],
-    bytes: &[u8],
+    mut bits: Bits<'_>,
     restart: Option<usize>,
 ) -> Result<Vec<u16>, Reason> {
     let &Header { precision, rows, columns, components } = header;
@@ -196,7 +224,6 @@ fn scan(
         return Err(DAMAGED);
     }
     let width = columns * components;
-    let mut bits = Bits { bytes, at: 0, held: 0, count: 0, missing: 0 };
     let mut samples = vec![0u16; rows * width];
     for row in 0..rows {
         let is_first = restart.map_or(row == 0, |rows| row.is_multiple_of(rows));
@@ -308,7 +335,7 @@ pub(super) mod tests {
             let samples: Vec<u16> =
                 (0..rows * columns * components).map(|i| draw(i) & ((1u32 << precision) - 1) as u16).collect();
             let stream = encode(&samples, columns, components, precision, predictor);
-            prop_assert_eq!(decode(&stream, samples.len()), Ok(samples));
+            prop_assert_eq!(decode(&stream, samples.len(), Kind::Standard), Ok(samples));
         }
 
         #[test]
@@ -320,7 +347,7 @@ pub(super) mod tests {
             let index = at % stream.len();
             stream[index] = byte;
             stream.truncate(kept);
-            if let Ok(found) = decode(&stream, 96) {
+            if let Ok(found) = decode(&stream, 96, Kind::Standard) {
                 prop_assert_eq!(found.len(), 96);
             }
         }
@@ -330,8 +357,30 @@ pub(super) mod tests {
     fn a_stream_that_ends_early_is_rejected() {
         let samples: Vec<u16> = (0..960).map(|i| (i * 977 % 4096) as u16).collect();
         let stream = encode(&samples, 24, 1, 12, 6);
+        let decode = |bytes: &[u8], expected| decode(bytes, expected, Kind::Standard);
         assert_eq!(decode(&stream[..stream.len() / 2], 960), Err(DAMAGED));
         assert_eq!(decode(&stream, 961), Err("its lossless JPEG is of another size than its tiles"));
         assert_eq!(decode(b"II*\0", 1), Err("its tiles are no JPEG"));
+    }
+
+    #[test]
+    fn a_difference_of_category_16_has_16_more_bits_before_dng_1_1() {
+        let samples = [32768, 0, 7];
+        let stream = encode(&samples, 3, 1, 16, 1);
+        // Categories 0, 16 and 3, of five bits each, and 111 are 6 bytes with the end; here -32768 follows the second.
+        let old = [&stream[..stream.len() - 6], &[0x04, 0x1f, 0xff, 0, 0xc7, 0xff, 0, 0xff, 0xd9]].concat();
+        assert_eq!(decode(&old, 3, Kind::BeforeDng1_1), Ok(samples.to_vec()));
+        assert_eq!(decode(&stream, 3, Kind::Standard), Ok(samples.to_vec()));
+    }
+
+    #[test]
+    fn fill_bytes_before_markers_and_tables_of_lossy_streams_are_passed_over() {
+        let samples: Vec<u16> = (0..96).map(|i| i * 37 % 4096).collect();
+        let stream = encode(&samples, 12, 2, 12, 1);
+        // The first table again, as one of class 1.
+        let mut table = stream[2..40].to_vec();
+        table[4] = 0x10;
+        let filled = [&stream[..2], &table, &[0xff; 3], &stream[2..40], &[0xff], &stream[40..]].concat();
+        assert_eq!(decode(&filled, 96, Kind::Standard), Ok(samples));
     }
 }

@@ -29,12 +29,12 @@ use crate::camera_raw::CameraRawError;
 
 use crate::levels::Black;
 use crate::rendering::{ColourMatrix, Rendering, WhiteBalance};
-use crate::tiff::directory::File;
+use crate::tiff::{self, directory::File};
 use directory::{Directories, Directory};
 use edof_core::words::{self, number};
 use edof_core::{CfaPhase, Channel, RawFrame};
 pub use finish::{Crop, Finish};
-use frame_directory::{Chosen, choose};
+use frame_directory::{COLOUR_FILTER_ARRAY, Chosen, choose};
 use ndarray::{Array2, s};
 use opcodes::List;
 pub use opcodes::Opcodes;
@@ -81,6 +81,14 @@ pub fn is_dng(bytes: &[u8]) -> bool {
     File::new(bytes).and_then(File::first).is_some_and(|first| first.has(tags::VERSION.0))
 }
 
+/// Whether a file is a TIFF or BigTIFF with a colour filter array: a DNG, or TIFF/EP, of which DNG is made.
+#[must_use]
+pub fn has_mosaic(bytes: &[u8]) -> bool {
+    let is_mosaic =
+        |one: &tiff::directory::Directory<'_>| one.whole(tags::INTERPRETATION.0) == Some(COLOUR_FILTER_ARRAY);
+    File::new(bytes).is_some_and(|file| file.directories().found.iter().any(is_mosaic))
+}
+
 /// Reads a DNG in memory; `path` names it in errors.
 ///
 /// # Errors
@@ -99,12 +107,16 @@ fn read(bytes: &[u8], overrides: &Overrides) -> Result<Dng, Rejection> {
         notes.push(format!("{frames} raw frames; the first is read"));
     }
     let phase = phase(raw, overrides, &mut notes)?;
-    let (light, finish) = light_and_finish(raw, first, overrides, &mut notes)?;
+    let (light, finish) = light_and_finish(raw, first, phase, overrides, &mut notes)?;
     let words = light.mapv(|share| (f64::from(share) * 65536.0).round().min(65535.0) as u16);
     let [rows, columns] = [words.nrows() & !1, words.ncols() & !1];
     let frame = RawFrame::from_values(words.slice(s![..rows, ..columns]).to_owned(), 16, phase)
         .map_err(|e| Rejection::Damaged(e.to_string()))?;
-    let rendering = colour::rendering(&colour::Described([first, raw]), overrides)?;
+    let described = colour::Described([first, raw]);
+    let rendering = colour::rendering(&described, overrides)?;
+    if (overrides.white_balance, overrides.matrix) == (None, None) {
+        notes.extend(colour::other_light(&described)?);
+    }
     notes.extend(replaced(raw, first, overrides));
     notes.extend(left_out(raw, first)?);
     Ok(Dng { frame, rendering, finish, notes })
@@ -114,10 +126,11 @@ fn read(bytes: &[u8], overrides: &Overrides) -> Result<Dng, Rejection> {
 fn light_and_finish(
     raw: &Directory<'_>,
     first: &Directory<'_>,
+    phase: CfaPhase,
     overrides: &Overrides,
     notes: &mut Vec<String>,
 ) -> Result<(Array2<f32>, Finish), Rejection> {
-    let (mut values, sample) = pixels::stored(raw)?;
+    let (mut values, sample) = pixels::stored(raw, first)?;
     let area @ [top, left, bottom, right] = light::active_area(raw, values.dim())?;
     let size = (bottom - top, right - left);
     let mut list = |list: List, size: (usize, usize)| {
@@ -125,17 +138,24 @@ fn light_and_finish(
         opcodes.check(list, size)?;
         Ok(opcodes)
     };
-    list(List::Stored, values.dim())?.correct_mosaic(&mut values);
+    list(List::Stored, values.dim())?.correct_mosaic(&mut values, moved(phase, top, left));
     let (of_mosaic, of_picture) = (list(List::Mosaic, size)?, list(List::Picture, size)?);
     light::linearize(raw, sample, &mut values)?;
     let mut light = light::light(raw, &values, sample, area, overrides)?;
-    of_mosaic.correct_mosaic(&mut light);
+    of_mosaic.correct_mosaic(&mut light, phase);
     let finish = Finish {
         corrections: Some(of_picture).filter(|opcodes| !opcodes.is_empty()),
         crop: layout::crop(raw, size)?,
         orientation: layout::orientation(first, raw)?,
     };
     Ok((light, finish))
+}
+
+/// The phase of a mosaic with its corner that many rows and columns away, either way.
+fn moved(phase: CfaPhase, rows: usize, columns: usize) -> CfaPhase {
+    let (r, c) = phase.red_site();
+    let red = ((r + rows) % 2, (c + columns) % 2);
+    CfaPhase::ALL.into_iter().find(|phase| phase.red_site() == red).unwrap_or(phase)
 }
 
 /// Which colours the first pixels of the active area see.

@@ -1,7 +1,7 @@
 //! Pixels of a directory as they are stored: strips or tiles of integers or floating-point numbers, or lossless JPEG.
 
 use super::directory::Directory;
-use super::lossless_jpeg;
+use super::lossless_jpeg::{self, Kind};
 use super::rejection::Rejection;
 use super::tags;
 use ndarray::{Array2, s};
@@ -106,11 +106,11 @@ fn side(raw: &Directory<'_>, tag: tags::Tag) -> Result<usize, Rejection> {
     }
 }
 
-/// The whole picture of a directory, rows × columns.
+/// The whole picture of a directory, rows × columns; the first directory states the version of the file.
 ///
 /// # Errors
 /// [`Rejection`] for another compression, and where pixels are missing or damaged.
-pub fn stored(raw: &Directory<'_>) -> Result<(Array2<f32>, Sample), Rejection> {
+pub fn stored(raw: &Directory<'_>, first: &Directory<'_>) -> Result<(Array2<f32>, Sample), Rejection> {
     let size @ (height, width) = (side(raw, tags::HEIGHT)?, side(raw, tags::WIDTH)?);
     let sample = Sample::of(raw)?;
     let is_lossless = match (raw.whole(tags::COMPRESSION)?.unwrap_or(1), sample) {
@@ -120,6 +120,10 @@ pub fn stored(raw: &Directory<'_>) -> Result<(Array2<f32>, Sample), Rejection> {
         (other, _) => {
             return Err(Rejection::value(tags::COMPRESSION, named(other), "1 (none) or 7 (lossless JPEG)"));
         }
+    };
+    let kind = match first.exactly::<4>(tags::VERSION)? {
+        Some(version) if version < [1.0, 1.0, 0.0, 0.0] => Kind::BeforeDng1_1,
+        _ => Kind::Standard,
     };
     let parts = parts(raw, size)?;
     let (rows, columns) = parts.size;
@@ -136,7 +140,7 @@ pub fn stored(raw: &Directory<'_>) -> Result<(Array2<f32>, Sample), Rejection> {
         let part = (if parts.is_tiled { rows } else { rows.min(height - top) }, columns);
         let bytes = raw.file().part(at as u64, length as u64).ok_or_else(no_pixels)?;
         let values = if is_lossless {
-            lossless(bytes, part)?
+            lossless(bytes, part, kind)?
         } else {
             plain(bytes, part, sample, raw.file().is_big_endian())?
         };
@@ -164,12 +168,12 @@ fn named(compression: usize) -> String {
     format!("{compression} ({name})")
 }
 
-fn lossless(bytes: &[u8], (rows, columns): (usize, usize)) -> Result<Array2<f32>, Rejection> {
+fn lossless(bytes: &[u8], (rows, columns): (usize, usize), kind: Kind) -> Result<Array2<f32>, Rejection> {
     if rows * columns / 8 > bytes.len() {
         return Err(no_pixels());
     }
     let samples =
-        lossless_jpeg::decode(bytes, rows * columns).map_err(|e| Rejection::Damaged(e.to_owned()))?;
+        lossless_jpeg::decode(bytes, rows * columns, kind).map_err(|e| Rejection::Damaged(e.to_owned()))?;
     let samples = samples.into_iter().map(f32::from).collect();
     Array2::from_shape_vec((rows, columns), samples).map_err(|e| Rejection::Damaged(e.to_string()))
 }

@@ -391,7 +391,9 @@ fn an_opcode_that_is_needed_and_unknown_is_rejected_and_an_optional_one_noted() 
     assert!(wrong.contains("wrong parameters of FixBadPixelsConstant (4)"), "{wrong}");
     let (tag, kind, mut bytes) = opcode(tags::OPCODES_1, 4, 0, &[0; 8]);
     bytes.truncate(20);
-    assert!(decoded(&plain(vec![], vec![(tag, kind, bytes)])).unwrap_err().contains("the file is cut"));
+    assert!(
+        decoded(&plain(vec![], vec![(tag, kind, bytes)])).unwrap_err().contains("that ends within an opcode")
+    );
 }
 
 #[test]
@@ -444,4 +446,134 @@ proptest! {
             prop_assert!(dng.frame.pixels().len() <= 2 * 8 * 1200);
         }
     }
+}
+
+#[test]
+fn a_tiff_with_a_mosaic_is_read_by_its_tags_whatever_its_name() {
+    let dir = tempfile::tempdir().unwrap();
+    for name in ["shot.tif", "shot.dng", "shot"] {
+        let path = dir.path().join(name);
+        std::fs::write(&path, whole()).unwrap();
+        let opened = crate::raw::open(&path, &crate::raw::RawOptions::default(), &Overrides::default());
+        assert_eq!(opened.unwrap().frame, decoded(&whole()).unwrap().frame, "{name}");
+    }
+}
+
+#[test]
+fn bad_pixels_are_repaired_by_the_colours_of_the_pattern_whatever_the_opcode_numbers_them() {
+    let numbers = |all: &[u32]| -> Vec<u8> { all.iter().flat_map(|v| v.to_be_bytes()).collect() };
+    let value = |r: usize, c: usize| [1000, 2000, 3000][CfaPhase::Bggr.channel(r + 1, c + 1).plane()];
+    let points = [[4, 4], [5, 4], [5, 5], [8, 9]];
+    for number in 0..5 {
+        let list = [&[number, 4, 0][..], points.as_flattened()].concat();
+        let head = [numbers(&[1, 5]), vec![1, 3, 0, 0], numbers(&[0, 4 * list.len() as u32])].concat();
+        let mut stored = Array2::from_shape_fn((HEIGHT, WIDTH), |(r, c)| value(r, c));
+        points.iter().for_each(|[r, c]| stored[(*r as usize, *c as usize)] = 0);
+        let mut raw = pattern([2, 1, 1, 0]);
+        raw.push(shorts(tags::BITS, &[16]));
+        raw.push(longs(tags::ACTIVE_AREA, &[1, 3, 13, 19]));
+        raw.push((tags::OPCODES_1.0, 7, [head, numbers(&list)].concat()));
+        let frame = decoded(&file(&[words(&stored)], vec![], raw, None)).unwrap().frame;
+        let whole = Array2::from_shape_fn((12, 16), |(r, c)| value(r + 1, c + 3));
+        assert_eq!(difference(frame.pixels(), &light(&whole, 0.0, 65535.0)), 0, "phase {number}");
+    }
+}
+
+/// A DNG of colours alone.
+fn coloured(about: Tags) -> Result<Dng, String> {
+    let mut raw = pattern([0, 1, 1, 2]);
+    raw.push(shorts(tags::BITS, &[16]));
+    decoded(&file(&[words(&values())], about, raw, None))
+}
+
+/// ColorMatrix of a sensor whose colours are those of linear sRGB.
+const OF_SRGB: [f64; 9] = [3.2406, -1.5372, -0.4986, -0.9689, 1.8758, 0.0415, 0.0557, -0.2040, 1.0570];
+
+#[test]
+fn a_shot_nearer_to_another_calibrations_light_than_to_daylight_has_a_note() {
+    let shot = |neutral: [f64; 3], lights: [u16; 2]| {
+        let about = vec![
+            fractions(tags::COLOUR_MATRIX_1, &OF_SRGB),
+            fractions(tags::COLOUR_MATRIX_2, &OF_SRGB),
+            shorts(tags::ILLUMINANT_1, &lights[..1]),
+            shorts(tags::ILLUMINANT_2, &lights[1..]),
+            fractions(tags::NEUTRAL, &neutral),
+        ];
+        coloured(about).unwrap().notes
+    };
+    // What such a sensor sees of standard illuminant A, whose temperature is 2856 K.
+    let tungsten = [1.8452, 0.8263, 0.2333];
+    let notes = shot(tungsten, [17, 21]);
+    assert!(
+        notes.len() == 1 && notes[0].contains("light of about 2900 K, nearer to its calibration for 2850 K"),
+        "{notes:?}"
+    );
+    assert_eq!(shot([1.0; 3], [17, 21]), [""; 0]);
+    assert_eq!(shot(tungsten, [21, 21]), [""; 0]);
+}
+
+#[test]
+fn colours_that_cannot_be_are_rejected_by_their_own_tag_and_what_helps() {
+    let with = |tag: (u16, u16, Vec<u8>)| {
+        coloured(vec![
+            fractions(tags::COLOUR_MATRIX_1, &OF_SRGB),
+            fractions(tags::NEUTRAL, &[0.5, 1.0, 0.5]),
+            tag,
+        ])
+    };
+    for (tag, words) in [
+        (
+            fractions(tags::ANALOG_BALANCE, &[0.0, 1.0, 1.0]),
+            "AnalogBalance (50727) has 0, 1, 1, expected three numbers above 0; or state",
+        ),
+        (fractions(tags::CALIBRATION_1, &[0.0; 9]), "CameraCalibration1 (50723) has 0, 0"),
+    ] {
+        let error = with(tag).unwrap_err();
+        assert!(
+            error.contains(words) && error.contains("or state the white balance and the colour matrix"),
+            "{error}"
+        );
+    }
+    let about = vec![fractions(tags::COLOUR_MATRIX_1, &OF_SRGB), fractions(tags::WHITE_XY, &[0.0, 0.0])];
+    let error = coloured(about).unwrap_err();
+    let words = "AsShotWhiteXY (50729) has 0, 0, expected x and y of a white that the sensor sees; or state the white balance";
+    assert!(error.contains(words), "{error}");
+}
+
+#[test]
+fn signatures_are_equal_whatever_number_of_zeros_ends_them() {
+    let with = |signature: &[u8]| {
+        let calibration = [1.1, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.8];
+        let about = vec![
+            fractions(tags::COLOUR_MATRIX_1, &OF_SRGB),
+            fractions(tags::CALIBRATION_1, &calibration),
+            fractions(tags::WHITE_XY, &[0.3127, 0.3290]),
+            (tags::CALIBRATION_SIGNATURE.0, 2, signature.to_vec()),
+            (tags::PROFILE_SIGNATURE.0, 2, b"a\0".to_vec()),
+        ];
+        coloured(about).unwrap().rendering
+    };
+    assert_eq!(with(b"a\0\0\0"), with(b"a\0"));
+    assert_ne!(with(b"b\0"), with(b"a\0"));
+}
+
+#[test]
+fn an_infinite_white_level_is_rejected() {
+    let mut raw = pattern([0, 1, 1, 2]);
+    raw.push(shorts(tags::BITS, &[16]));
+    raw.push((tags::WHITE_LEVEL.0, 5, [1u32, 0].iter().flat_map(|v| v.to_le_bytes()).collect()));
+    let error = decoded(&file(&[words(&values())], vec![], raw, None)).unwrap_err();
+    assert!(
+        error.contains("WhiteLevel (50717) has inf") && error.contains("state the white level"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_list_that_ends_within_an_opcode_is_not_called_a_cut_file() {
+    let mut raw = pattern([0, 1, 1, 2]);
+    raw.push(shorts(tags::BITS, &[16]));
+    raw.push((tags::OPCODES_2.0, 7, vec![0, 0]));
+    let error = decoded(&file(&[words(&values())], vec![], raw, None)).unwrap_err();
+    assert!(error.contains("OpcodeList2 (51009) has a list of 2 bytes"), "{error}");
 }

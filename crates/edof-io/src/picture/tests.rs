@@ -110,3 +110,53 @@ fn text_is_no_picture() {
         "notes.png: not a PNG, JPEG, WebP, TIFF, BMP, PPM or PGM file"
     );
 }
+
+#[test]
+fn integers_of_a_png_of_few_bits_are_those_of_the_file() {
+    // One row of the values 0, 3, 6 and the largest, of 2 or 4 bits, in a stored block of zlib.
+    for (bits, row, expected) in
+        [(4u8, vec![0x03, 0x6f], [0, 3, 6, 15]), (2, vec![0b0001_1011], [0, 1, 2, 3])]
+    {
+        let mut png = b"\x89PNG\r\n\x1a\n".to_vec();
+        let data = [&[0][..], &row].concat();
+        let (mut a, mut b) = (1u32, 0u32);
+        for byte in &data {
+            a += u32::from(*byte);
+            b += a;
+        }
+        let length = data.len() as u8;
+        let stored =
+            [&[0x78, 1, 1, length, 0, !length, 0xff][..], &data, &(b << 16 | a).to_be_bytes()].concat();
+        let mut chunks = Vec::new();
+        // The last chunk first, for each is inserted behind a header of as many bytes as this one's.
+        let header = [0, 0, 0, 4, 0, 0, 0, 1, bits, 0, 0, 0, 0];
+        chunks.resize(33, 0);
+        crate::png_chunks::insert(&mut chunks, *b"IEND", &[]);
+        crate::png_chunks::insert(&mut chunks, *b"IDAT", &stored);
+        crate::png_chunks::insert(&mut chunks, *b"IHDR", &header);
+        png.extend(&chunks[33..]);
+        let found = decode_integers(&png, Path::new("x.png")).unwrap();
+        assert_eq!(found.into_raw_vec_and_offset().0, expected, "{bits} bits");
+    }
+}
+
+#[test]
+fn animations_and_multi_picture_files_are_the_first_of_several() {
+    let png = |frames: u32| {
+        let mut png = encode(&DynamicImage::new_rgb8(2, 2), ImageFormat::Png).unwrap();
+        crate::png_chunks::insert(&mut png, *b"acTL", &[frames.to_be_bytes(), [0; 4]].concat());
+        png
+    };
+    assert!(is_first_of_several(&png(2)) && !is_first_of_several(&png(1)));
+    let webp = |flags: u8| [&b"RIFF\0\0\0\0WEBPVP8X\x0a\0\0\0"[..], &[flags, 0, 0, 0]].concat();
+    assert!(is_first_of_several(&webp(0x12)) && !is_first_of_several(&webp(0x10)));
+    // An index of one entry, NumberOfImages, behind a segment of Exif.
+    let jpeg = |images: u8| {
+        let index = [&b"MPF\0MM\0*\0\0\0\x08\0\x01\xb0\x01\0\x04\0\0\0\x01\0\0\0"[..], &[images, 0, 0, 0, 0]]
+            .concat();
+        let length = [0, 2 + index.len() as u8];
+        [&b"\xff\xd8\xff\xe1\0\x04ab\xff\xe2"[..], &length, &index, b"\xff\xda\0\x02"].concat()
+    };
+    assert!(is_first_of_several(&jpeg(2)) && !is_first_of_several(&jpeg(1)));
+    assert!(!is_first_of_several(b"\xff\xd8\xff\xe1\0\0") && !is_first_of_several(&webp(2)[..18]));
+}

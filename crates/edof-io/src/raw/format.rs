@@ -68,8 +68,8 @@ pub struct Values {
     pub depth: u32,
     /// Position of the values in the words, unless an option states another one.
     pub alignment: Alignment,
-    /// Whether the file has further frames.
-    pub is_first_of_several: bool,
+    /// What is to be said of them.
+    pub notes: Vec<String>,
 }
 
 impl RawFormat {

@@ -53,9 +53,6 @@ pub struct Opened {
     pub notes: Vec<String>,
 }
 
-/// Remark on a file with several frames.
-const FIRST_OF_SEVERAL: &str = "has several frames; the first is read, save the others one by one";
-
 /// Reads a raw frame with what its file states of it. The content decides what the file is; its ending does where the content does not.
 /// `overrides` take the place of what a DNG states.
 ///
@@ -99,14 +96,13 @@ fn check_depth(options: &RawOptions, path: &Path) -> Result<(), RawError> {
 
 /// Makes a frame of sensor values.
 fn of_values(values: Values, options: &RawOptions, path: &Path) -> Result<Dng, RawError> {
-    let Values { words, depth, alignment, is_first_of_several } = values;
+    let Values { words, depth, alignment, notes } = values;
     let values = match options.alignment.unwrap_or(alignment) {
         Alignment::Bottom => words,
         Alignment::Top => lower(words, depth, path)?,
     };
     let frame = RawFrame::from_values(values, depth, options.phase)
         .map_err(|source| RawError::Frame { path: path.to_owned(), source })?;
-    let notes = is_first_of_several.then(|| FIRST_OF_SEVERAL.to_owned()).into_iter().collect();
     Ok(Dng { frame, rendering: Rendering::default(), finish: Finish::default(), notes })
 }
 

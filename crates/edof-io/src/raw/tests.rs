@@ -305,3 +305,18 @@ proptest! {
         prop_assert_eq!(load(&path, &options).unwrap(), original);
     }
 }
+
+#[test]
+fn a_pgm_whose_maximum_is_of_no_bits_has_a_note_of_what_full_light_is() {
+    let notes = |maximum: u16| {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("x.pgm");
+        std::fs::write(&path, format!("P2 2 2 {maximum} 0 1 2 {maximum}")).unwrap();
+        open(&path, &RawOptions::default(), &Overrides::default()).unwrap().notes
+    };
+    assert_eq!(
+        notes(1000),
+        ["states a maximum of 1000; full light is taken for 1024, unless a white level is stated"]
+    );
+    assert_eq!([notes(1023), notes(255), notes(65535)].concat(), [""; 0]);
+}

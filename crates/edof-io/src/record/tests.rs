@@ -60,6 +60,7 @@ fn a_file_of_another_program_is_passed_over() {
         "{\"rating\": 4, \"history\": [{\"module\": \"exposure\"}]}",
         "{\"provenance\": {\"tool\": \"other\"}, \"depth\": 14, \"camera\": \"X\"}",
         "{\"phase\": \"rggb\", \"depth\": 14}",
+        "{\"phase\": 0.25, \"alignment\": \"left\"}",
         "[1, 2]",
         "not JSON",
         "",

@@ -27,12 +27,14 @@ mod tag {
     pub const STRIP_ROWS: u16 = 278;
     pub const STRIP_BYTES: u16 = 279;
     pub const PLANES: u16 = 284;
+    pub const TRANSFER_FUNCTION: u16 = 301;
     pub const PREDICTOR: u16 = 317;
     pub const COLOUR_MAP: u16 = 320;
     pub const TILE_WIDTH: u16 = 322;
     pub const TILE_HEIGHT: u16 = 323;
     pub const TILE_OFFSETS: u16 = 324;
     pub const TILE_BYTES: u16 = 325;
+    pub const INK_SET: u16 = 332;
     pub const EXTRA_SAMPLES: u16 = 338;
     pub const FORMAT: u16 = 339;
     pub const JPEG_TABLES: u16 = 347;
@@ -59,6 +61,10 @@ pub enum TiffError {
     Unread(String),
     /// Colours that are multiplied by their alpha, which is not full everywhere.
     Transparent,
+    /// Inks other than those of CMYK.
+    Inks,
+    /// The first picture is a small copy of another one.
+    Thumbnail,
 }
 
 impl From<&str> for TiffError {
@@ -116,6 +122,18 @@ impl<'a> Tiff<'a> {
     pub fn is_camera_raw(&self) -> bool {
         let interpretation = self.directory.whole(tag::INTERPRETATION);
         self.directory.has(tag::DNG_VERSION) || interpretation.is_some_and(|what| RAW.contains(&what))
+    }
+
+    /// Returns whether the first picture is grey whose 0 is white.
+    pub fn is_inverse(&self) -> bool {
+        self.directory.whole(tag::INTERPRETATION) == Some(0)
+    }
+
+    /// Returns the first curve from samples to light that the file states, 0 to 65535.
+    pub fn transfer_function(&self) -> Option<Vec<usize>> {
+        let mut curve = self.directory.wholes(tag::TRANSFER_FUNCTION)?;
+        curve.truncate(1 << self.directory.whole(tag::BITS).filter(|bits| *bits <= 16)?);
+        Some(curve)
     }
 
     /// Returns whether the first picture is a small copy of another one.
@@ -179,7 +197,8 @@ impl<'a> Tiff<'a> {
             1 | 32803 => Colour::Grey,
             2 => Colour::Rgb,
             3 => Colour::Palette(self.palette(layout)?),
-            5 => Colour::Cmyk,
+            5 if self.directory.whole(tag::INK_SET).unwrap_or(1) == 1 => Colour::Cmyk,
+            5 => return Err(TiffError::Inks),
             6 => Colour::YCbCr,
             other => return Err(TiffError::Unread(interpretation_in_words(other))),
         })

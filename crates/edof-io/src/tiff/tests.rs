@@ -1,5 +1,6 @@
 use super::*;
 use crate::picture::{self, PictureError};
+use crate::transfer::Transfer;
 use std::path::Path;
 
 /// Numbers of a tag, each of 16 or 32 bits.
@@ -220,8 +221,54 @@ fn a_cameras_raw_frame_or_thumbnail_is_no_photograph() {
     let plain = grey(&[], &[0; 4]);
     let error = picture::decode_photograph(&plain, Path::new("x.NEF"), |v, _| v).unwrap_err();
     assert!(matches!(error, PictureError::CameraRaw { .. }));
-    let error = refused(&grey(&[(tag::SUBFILE, Long(vec![1]))], &[0; 4]));
-    assert!(error.starts_with("x.tif: begins with a thumbnail"), "{error}");
+    let thumbnail = grey(&[(tag::SUBFILE, Long(vec![1]))], &[0; 4]);
+    let as_frame = picture::decode(&thumbnail, Path::new("x.tif")).unwrap_err().to_string();
+    for error in [refused(&thumbnail), as_frame] {
+        assert!(error.starts_with("x.tif: begins with a thumbnail"), "{error}");
+    }
+}
+
+#[test]
+fn integers_of_grey_whose_0_is_white_are_those_of_the_file() {
+    let bytes = file(&tags(2, 2, &[16], 0), &[1, 0, 2, 0, 0, 1, 0xff, 0xff], false);
+    let found = picture::decode_integers(&bytes, Path::new("x.tif")).unwrap();
+    assert_eq!(found.into_raw_vec_and_offset().0, [1, 2, 256, 65535]);
+    assert_eq!(values(&bytes).0, [65534, 65533, 65279, 0]);
+}
+
+#[test]
+fn inks_other_than_those_of_cmyk_are_rejected() {
+    let inks = |set: u16| {
+        file(
+            &[tags(1, 1, &[8; 4], 5), vec![(tag::INK_SET, Short(vec![set]))]].concat(),
+            &[0, 255, 0, 0],
+            false,
+        )
+    };
+    assert_eq!(values(&inks(1)).0, [255, 0, 255]);
+    assert!(
+        refused(&inks(2)).contains("inks other than cyan, magenta, yellow and black (InkSet 2)"),
+        "{}",
+        refused(&inks(2))
+    );
+}
+
+#[test]
+fn a_transfer_function_states_the_curve_where_no_profile_does() {
+    let stated = |curve: &dyn Fn(f64) -> f64, channels: usize| {
+        let one =
+            (0..256).map(|i| (65535.0 * curve(f64::from(i) / 255.0)).round() as u16).collect::<Vec<_>>();
+        let bytes = grey(&[(tag::TRANSFER_FUNCTION, Short(one.repeat(channels)))], &[0; 4]);
+        Transfer::of(&bytes).map(|transfer| transfer.to_string())
+    };
+    for channels in [1, 3] {
+        assert_eq!(stated(&|v| v, channels).as_deref(), Some("linear light (TransferFunction (301))"));
+    }
+    assert_eq!(stated(&|v| v.powf(2.2), 1), None);
+    assert_eq!(
+        stated(&|v| v.powf(1.8), 1).as_deref(),
+        Some("another power (TransferFunction (301), exponent 1.80)")
+    );
 }
 
 #[test]

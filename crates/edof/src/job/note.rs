@@ -42,8 +42,9 @@ pub enum FrameNote {
     Overruled(Contradiction),
     /// A remark of a raw frame's reader.
     RawFile { path: PathBuf, text: String },
-    /// A frame without a record is dark, as it is where values of fewer than 16 bits are at the bottom of each word.
-    Dim { path: PathBuf, brightest: u16 },
+    /// A frame without a record is dark, as it is where values of fewer than 16 bits are at the bottom of each word; or
+    /// its file states the levels of its light.
+    Dim { path: PathBuf, brightest: u16, is_light: bool },
     /// Greens of a frame without a record differ as red and blue do.
     OtherPhase { path: PathBuf, phase: CfaPhase },
     /// The network was trained for another lens than took the frame, and is used.
@@ -58,8 +59,8 @@ pub enum FrameNote {
         noise: Noise,
         better: Option<String>,
     },
-    /// The board neither corrects the lens nor crops or turns the picture.
-    NotFinished { path: PathBuf },
+    /// The board leaves out what the frame's file, its record or the user asks for.
+    NotFinished { path: PathBuf, left_out: Vec<&'static str> },
 }
 
 /// A network for another lens or mask than that of the frame.

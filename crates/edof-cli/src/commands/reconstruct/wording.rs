@@ -37,6 +37,9 @@ impl Wording<'_> {
                     path.display()
                 )
             }
+            JobError::StatedByFile { path, field: Field::Order, format } => {
+                format!("--order big: has no effect on {}, {format}; leave --order out", path.display())
+            }
             JobError::StatedByFile { path, field, format } => {
                 let (option, value) = self.given(field);
                 format!(
@@ -121,8 +124,13 @@ impl Wording<'_> {
             FrameNote::Overruled(Contradiction { path, field, given, recorded }) => {
                 format!("{} {given}: taken, though {} says {recorded}", option(field), path.display())
             }
-            FrameNote::Dim { path, brightest } => {
-                format!("{}: brightest pixel is {brightest} of 65535; {}", path.display(), self.of_dim())
+            FrameNote::Dim { path, brightest, is_light } => {
+                let remedy = if is_light {
+                    "a dark picture, or --white-level is to state full light in the file's place"
+                } else {
+                    self.of_dim()
+                };
+                format!("{}: brightest pixel is {brightest} of 65535; {remedy}", path.display())
             }
             FrameNote::OtherPhase { path, phase } => {
                 let others = CfaPhase::ALL.into_iter().filter(|p| green_first(*p) != green_first(phase));
@@ -165,11 +173,8 @@ impl Wording<'_> {
                 format!("{}: is not a raw-frame record of edof; passed over", path.display())
             }
             FrameNote::RawFile { path, text } => format!("{}: {text}", path.display()),
-            FrameNote::NotFinished { path } => {
-                format!(
-                    "{}: the board neither corrects the lens nor crops or turns the picture",
-                    path.display()
-                )
+            FrameNote::NotFinished { path, left_out } => {
+                format!("{}: not applied, as the board does not: {}", path.display(), left_out.join(", "))
             }
         }
     }
@@ -207,6 +212,7 @@ const fn option(field: Field) -> &'static str {
         Field::Alignment => "--align",
         Field::Size => "--size",
         Field::Packing => "--packing",
+        Field::Order => "--order",
         Field::BlackLevel => "--black-level",
         Field::WhiteLevel => "--white-level",
         Field::Tone => "--tone",

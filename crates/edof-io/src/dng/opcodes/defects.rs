@@ -1,4 +1,7 @@
 //! Defective pixels, by a list or by the value that marks them; [`crate::sensor::defects`] repairs them.
+//!
+//! The opcodes have a number for the phase of the mosaic, too. It is not used: the specification numbers the phases otherwise than Adobe's
+//! SDK and Android do. The file's pattern states the same.
 
 use super::Units;
 use super::parameters::Parameters;
@@ -6,18 +9,9 @@ use crate::sensor::defects::DefectMap;
 use edof_core::CfaPhase;
 use ndarray::Array2;
 
-/// Phases by their number: the colour of the first pixel is red, green in a row with red, green in a row with blue, or blue.
-const PHASES: [CfaPhase; 4] = [CfaPhase::Rggb, CfaPhase::Grbg, CfaPhase::Gbrg, CfaPhase::Bggr];
-
 /// Which pixels are defective.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Defects {
-    marks: Marks,
-    phase: CfaPhase,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-enum Marks {
+pub enum Defects {
     /// Pixels of this stored number.
     Constant(u32),
     Listed {
@@ -28,22 +22,16 @@ enum Marks {
     },
 }
 
-/// The phase of a number.
-fn phase_of(number: u32) -> Option<CfaPhase> {
-    PHASES.get(number as usize).copied()
-}
-
 impl Defects {
     /// FixBadPixelsConstant; none for wrong parameters.
     pub fn constant(parameters: Parameters<'_>) -> Option<Self> {
-        let [constant, phase] = parameters.wholes()?;
-        Some(Self { marks: Marks::Constant(constant), phase: phase_of(phase)? })
+        let [constant, _phase] = parameters.wholes()?;
+        Some(Self::Constant(constant))
     }
 
     /// FixBadPixelsList; none for wrong parameters.
     pub fn list(mut parameters: Parameters<'_>) -> Option<Self> {
-        let phase = phase_of(parameters.whole()?)?;
-        let counts = [parameters.whole()?, parameters.whole()?];
+        let [_phase, counts @ ..] = [parameters.whole()?, parameters.whole()?, parameters.whole()?];
         let mut next = || parameters.whole();
         let mut points = vec![];
         for _ in 0..counts[0] {
@@ -53,17 +41,17 @@ impl Defects {
         for _ in 0..counts[1] {
             rectangles.push([next()?, next()?, next()?, next()?]);
         }
-        parameters.is_empty().then_some(Self { marks: Marks::Listed { points, rectangles }, phase })
+        parameters.is_empty().then_some(Self::Listed { points, rectangles })
     }
 
     /// Where a mosaic is defective.
     fn mask(&self, mosaic: &Array2<f32>, units: Units) -> Array2<bool> {
-        match &self.marks {
-            Marks::Constant(constant) => {
+        match self {
+            Self::Constant(constant) => {
                 let of_full = if units.is_whole { 1.0 } else { 65535.0 / units.full };
                 mosaic.mapv(|v| (f64::from(v) * of_full).round() == f64::from(*constant))
             }
-            Marks::Listed { points, rectangles } => {
+            Self::Listed { points, rectangles } => {
                 let (height, width) = mosaic.dim();
                 let mut mask = Array2::from_elem((height, width), false);
                 let side = |v: u32, end: usize| (v as usize).min(end);
@@ -85,8 +73,8 @@ impl Defects {
     }
 
     /// Repairs a mosaic in place, from good pixels alone, whatever the order of the list.
-    pub fn repair(&self, mosaic: &mut Array2<f32>, units: Units) {
-        let map = DefectMap::new(self.mask(mosaic, units), self.phase);
+    pub fn repair(&self, mosaic: &mut Array2<f32>, phase: CfaPhase, units: Units) {
+        let map = DefectMap::new(self.mask(mosaic, units), phase);
         map.repair(mosaic.view_mut(), |median| units.kept(median));
     }
 }
@@ -103,8 +91,7 @@ mod tests {
     }
 
     fn listed(points: &[[u32; 2]], rectangles: &[[u32; 4]]) -> Defects {
-        let marks = Marks::Listed { points: points.to_vec(), rectangles: rectangles.to_vec() };
-        Defects { marks, phase: CfaPhase::Rggb }
+        Defects::Listed { points: points.to_vec(), rectangles: rectangles.to_vec() }
     }
 
     #[test]
@@ -112,7 +99,7 @@ mod tests {
         let whole = mosaic();
         let mut damaged = whole.clone();
         damaged.column_mut(6).fill(0.0);
-        listed(&[], &[[0, 6, 12, 7]]).repair(&mut damaged, UNITS);
+        listed(&[], &[[0, 6, 12, 7]]).repair(&mut damaged, CfaPhase::Rggb, UNITS);
         for (row, value) in damaged.column(6).iter().enumerate() {
             // Green has neighbours in the rows above and below, at the border on one side.
             assert!((value - whole[(row, 6)]).abs() <= 1.0, "{row}");
@@ -120,7 +107,7 @@ mod tests {
         let column: Vec<[u32; 2]> = (0..12).rev().map(|row| [row, 6]).collect();
         let mut again = whole;
         again.column_mut(6).fill(0.0);
-        listed(&column, &[]).repair(&mut again, UNITS);
+        listed(&column, &[]).repair(&mut again, CfaPhase::Rggb, UNITS);
         assert_eq!(again, damaged);
     }
 
@@ -128,10 +115,13 @@ mod tests {
     fn marked_pixels_are_repaired_and_points_outside_are_passed_over() {
         let (whole, mut damaged) = (mosaic(), mosaic());
         damaged[(3, 7)] = 0.0;
-        Defects { marks: Marks::Constant(0), phase: CfaPhase::Rggb }.repair(&mut damaged, UNITS);
+        Defects::Constant(0).repair(&mut damaged, CfaPhase::Rggb, UNITS);
         assert_eq!(damaged, whole);
-        listed(&[[99, 0], [0, u32::MAX]], &[[5, 5, 2, 2], [20, 0, u32::MAX, u32::MAX]])
-            .repair(&mut damaged, UNITS);
+        listed(&[[99, 0], [0, u32::MAX]], &[[5, 5, 2, 2], [20, 0, u32::MAX, u32::MAX]]).repair(
+            &mut damaged,
+            CfaPhase::Rggb,
+            UNITS,
+        );
         assert_eq!(damaged, whole);
     }
 }

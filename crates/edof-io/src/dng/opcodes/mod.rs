@@ -20,7 +20,7 @@ use super::pixels::Sample;
 use super::rejection::Rejection;
 use super::tags::{self, Tag};
 use defects::Defects;
-use edof_core::ColourFrame;
+use edof_core::{CfaPhase, ColourFrame};
 use lens::{Vignette, Warp};
 use ndarray::{Array2, ArrayViewMut2, Axis};
 use parameters::Parameters;
@@ -131,7 +131,10 @@ pub fn read(
     let tag = list.tag();
     let units = Units::of(list, sample);
     let Some(bytes) = raw.bytes(tag)? else { return Ok(Opcodes { all: vec![], units }) };
-    let cut = || Rejection::Cut(format!("the opcodes of {tag} do"));
+    let cut = || {
+        let found = format!("a list of {} bytes that ends within an opcode", bytes.len());
+        Rejection::Wrong { tag, found, expected: "as many opcodes as it states".to_owned() }
+    };
     let mut parameters = Parameters::new(bytes);
     let mut all = vec![];
     for _ in 0..parameters.whole().ok_or_else(cut)? {
@@ -191,11 +194,11 @@ impl Opcodes {
         Ok(())
     }
 
-    /// Corrects a mosaic in place.
-    pub(super) fn correct_mosaic(&self, mosaic: &mut Array2<f32>) {
+    /// Corrects a mosaic of a phase in place.
+    pub(super) fn correct_mosaic(&self, mosaic: &mut Array2<f32>, phase: CfaPhase) {
         for opcode in &self.all {
             match opcode {
-                Opcode::Defects(defects) => defects.repair(mosaic, self.units),
+                Opcode::Defects(defects) => defects.repair(mosaic, phase, self.units),
                 Opcode::Pointwise(pointwise) => pointwise.apply(&mut [mosaic.view_mut()], self.units),
                 Opcode::Vignette(vignette) => vignette.apply(&mut [mosaic.view_mut()]),
                 Opcode::Warp(_) | Opcode::Trim(_) => (),

@@ -37,7 +37,7 @@ fn values(source: Source<'_>, size: Size, options: &RawOptions) -> Result<Values
     let words = Array2::from_shape_vec((size.height, size.width), pixels)
         .map_err(|_| wrong_length(Some(bytes.len() as u64)))?;
     let alignment = if packing == Packing::Video { Alignment::Top } else { Alignment::Bottom };
-    Ok(Values { words, depth, alignment, is_first_of_several: false })
+    Ok(Values { words, depth, alignment, notes: vec![] })
 }
 
 /// Returns the bits of the pixels.

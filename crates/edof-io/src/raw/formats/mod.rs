@@ -17,7 +17,7 @@ use pictures::{PGM, PNG, TIFF};
 use std::path::Path;
 
 /// All formats, in the order in which messages name them. Of a container the first has the files whose ending decides nothing.
-pub static FORMATS: [&RawFormat; 7] = [&PNG, &TIFF, &PGM, &NPY, &HEADERLESS, &CAMERA_RAW, &DNG];
+pub static FORMATS: [&RawFormat; 7] = [&PNG, &TIFF, &PGM, &NPY, &HEADERLESS, &DNG, &CAMERA_RAW];
 
 /// Returns the format of a file by its bytes, as [`RawFormat::recognise`] takes them. In a container that formats share, the ending decides.
 /// Content that no format claims is headerless, unless no size is stated and the ending is of a format that states everything.

@@ -40,12 +40,7 @@ fn values(source: Source<'_>, options: &RawOptions) -> Result<Values, RawError> 
     RawError::check_size(Size { width, height }, options.size, path)?;
     let words = words(&values).map_err(damaged)?;
     let found = if bytes == 1 { 8 } else { 16 };
-    Ok(Values {
-        words,
-        depth: options.depth.unwrap_or(found),
-        alignment: Alignment::Bottom,
-        is_first_of_several: false,
-    })
+    Ok(Values { words, depth: options.depth.unwrap_or(found), alignment: Alignment::Bottom, notes: vec![] })
 }
 
 /// Rejects a number that is no sensor value.

@@ -1,5 +1,6 @@
 //! Raw frames in grey pictures: PNG and TIFF, whose full scale is that of 8 or 16 bits, and PGM, which states its own.
 
+use crate::dng;
 use crate::picture::{self, Format, PictureError};
 use crate::raw::error::RawError;
 use crate::raw::format::{RawFormat, Read, Recognised, Values, Write};
@@ -28,7 +29,11 @@ pub const TIFF: RawFormat = RawFormat {
     name: "TIFF",
     noun: "a TIFF picture",
     endings: &["tif", "tiff"],
-    recognise: |bytes| recognised(bytes, Format::Tiff, Recognised::Container),
+    recognise: |bytes| match dng::has_mosaic(bytes) {
+        // What its tags state of the mosaic is read as that of a DNG.
+        true => Recognised::No,
+        false => recognised(bytes, Format::Tiff, Recognised::Container),
+    },
     read: Read::Values(values),
     write: Some(Write {
         alignment: Alignment::Top,
@@ -72,8 +77,17 @@ fn values(source: Source<'_>, options: &RawOptions) -> Result<Values, RawError> 
     let bytes = source.all()?;
     let samples = picture::decode(&bytes, path)?;
     let (depth, alignment) = meaning(Format::of(&bytes), &samples, options.depth, path)?;
+    let maximum = u32::from(samples.full_scale);
     let words = single_plane(samples, options.size, path)?;
-    Ok(Values { words, depth, alignment, is_first_of_several: picture::is_first_of_several(&bytes) })
+    let several = picture::is_first_of_several(&bytes)
+        .then(|| "has several frames; the first is read, save the others one by one".to_owned());
+    let other_maximum = (!(maximum + 1).is_power_of_two()).then(|| {
+        format!(
+            "states a maximum of {maximum}; full light is taken for {}, unless a white level is stated",
+            1 << depth
+        )
+    });
+    Ok(Values { words, depth, alignment, notes: several.into_iter().chain(other_maximum).collect() })
 }
 
 /// Returns depth and alignment of a picture's samples.

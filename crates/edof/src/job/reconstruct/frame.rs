@@ -60,6 +60,8 @@ pub(super) struct Taken {
     pub(super) rendering: Rendering,
     /// What its file asks to be done with the picture.
     pub(super) finish: Finish,
+    /// Whether its file states the levels of its light.
+    is_light: bool,
     /// The frame as an input of results.
     pub(super) input: Input,
 }
@@ -79,7 +81,7 @@ impl FrameSource {
     /// Returns the frame as light, and its record if there is one.
     pub(super) fn open(&self, note: &dyn Fn(FrameNote)) -> Result<Taken, JobError> {
         let Found { frame, values, record, rendering, finish, levels, input } = self.find(note)?;
-        let depth = frame.depth();
+        let (depth, is_light) = (frame.depth(), levels.is_none());
         let frame = match (&self.sensor, levels) {
             (Some(sensor), _) => {
                 self.check_values(values)?;
@@ -91,7 +93,8 @@ impl FrameSource {
             (None, None) => frame,
         };
         let camera = record.as_ref().map(|record| &record.camera).or(self.stated.camera.as_ref()).cloned();
-        Ok(Taken { path: self.path.clone(), frame, depth, values, camera, rendering, record, finish, input })
+        let path = self.path.clone();
+        Ok(Taken { path, frame, depth, values, camera, rendering, record, finish, is_light, input })
     }
 
     /// Returns the sensor's values, and the frame as an input of results.
@@ -161,7 +164,7 @@ impl FrameSource {
         }
     }
 
-    /// Rejects what only files without a description of their values need, beside a camera's file.
+    /// Rejects what only files without a description of their values need, beside a camera's file; and an order of bytes without effect.
     fn check_effect(&self, format: &'static RawFormat) -> Result<(), JobError> {
         let given = [
             (Field::Size, self.options.size.is_some()),
@@ -169,9 +172,15 @@ impl FrameSource {
             (Field::Alignment, self.options.alignment.is_some()),
             (Field::Packing, self.options.packing != Default::default()),
         ];
-        match given.into_iter().find(|(_, is_given)| *is_given && format.states_everything()) {
+        // Only words have an order of bytes, and only without a header it is not known.
+        let has_order = format.is_headerless() && self.options.packing == Default::default();
+        let order = (Field::Order, self.options.order != Default::default() && !has_order);
+        let given = given.map(|(field, is_given)| (field, is_given && format.states_everything()));
+        match given.into_iter().chain([order]).find(|(_, is_given)| *is_given) {
             Some((field, _)) => {
-                Err(JobError::StatedByFile { path: self.path.clone(), field, format: format.noun })
+                let is_packed = field == Field::Order && format.is_headerless();
+                let format = if is_packed { "pixels that are no words" } else { format.noun };
+                Err(JobError::StatedByFile { path: self.path.clone(), field, format })
             }
             None => Ok(()),
         }
@@ -197,6 +206,19 @@ impl FrameSource {
 struct Encoded(Tone);
 
 impl Taken {
+    /// Returns what is to be done with the picture and is not done by the board.
+    pub(super) fn left_out(&self) -> Vec<&'static str> {
+        let Finish { corrections, crop, orientation } = &self.finish;
+        let all = [
+            ("lens corrections", corrections.is_some()),
+            ("crop", crop.is_some()),
+            ("white balance", self.rendering.white_balance.is_some()),
+            ("colour matrix", self.rendering.matrix.is_some()),
+            ("orientation", *orientation != Finish::default().orientation),
+        ];
+        all.into_iter().filter(|(_, is_asked)| *is_asked).map(|(name, _)| name).collect()
+    }
+
     /// Remarks on a frame without a record that was perhaps read otherwise than it was taken.
     pub(super) fn remark(&self, note: &dyn Fn(FrameNote)) {
         if self.record.is_some() {
@@ -205,7 +227,7 @@ impl Taken {
         for warning in read_warnings(&self.frame) {
             let path = self.path.clone();
             note(match warning {
-                ReadWarning::Dim(brightest) => FrameNote::Dim { path, brightest },
+                ReadWarning::Dim(brightest) => FrameNote::Dim { path, brightest, is_light: self.is_light },
                 ReadWarning::Phase => FrameNote::OtherPhase { path, phase: self.frame.phase() },
             });
         }

@@ -19,6 +19,7 @@ use edof_golden::words::Boundary;
 use edof_golden::{Counts, Curve, Display, DisplayCounts, Golden, Picture};
 use edof_gpu::{GpuFloat, GpuGolden};
 use edof_io::photo;
+use edof_io::transfer::Statement;
 use edof_network::FixedNetwork;
 use edof_network::float::reconstruct::{FloatReconstructor, Output};
 use frame::Taken;
@@ -191,8 +192,9 @@ impl ReconstructJob {
         let curve = self.curve(self.tone(&taken));
         let (picture, shown) = out.picture(&Display::of_values(values, options.display, curve));
         let size = if let Some(codes) = &options.codes {
-            if !taken.finish.is_identity() {
-                note(FrameNote::NotFinished { path: self.source.path.clone() });
+            let left_out = taken.left_out();
+            if !left_out.is_empty() {
+                note(FrameNote::NotFinished { path: self.source.path.clone(), left_out });
             }
             photo::save(&self.out, &picture.shown_frame(), self.bits)?;
             atomic::write(codes, &picture.yuyv())?;
@@ -238,8 +240,16 @@ impl ReconstructJob {
     fn save(&self, mut light: ColourFrame, taken: &Taken) -> Result<(usize, usize), JobError> {
         taken.finish.correct(&mut light);
         taken.rendering.apply(&mut light);
-        let picture = self.curve(self.tone(taken)).encoded(taken.finish.frame(light));
-        photo::save(&self.out, &picture, self.bits)?;
+        let (tone, light) = (self.tone(taken), taken.finish.frame(light));
+        let curve = self.curve(tone);
+        let picture = curve.encoded(light);
+        // In the paper's convention numbers of sRGB are taken for light, so that light is not what a screen takes for it.
+        let stated = match (tone, curve) {
+            (Tone::Srgb, Curve::Linear) => Some(Statement::Linear),
+            (Tone::Srgb, Curve::Bt709) => Some(Statement::Bt709),
+            (Tone::Linear, _) | (_, Curve::Srgb) => None,
+        };
+        photo::save_stated(&self.out, &picture, self.bits, stated)?;
         Ok(picture.size())
     }
 
