@@ -1,12 +1,12 @@
 // The ULX3S: pins, clocks, and ulx3s_core between them.
 //
-// clk_25mhz feeds two PLLs: one makes the clock of memory and host of @core_mhz@ MHz, one the calculator's of @calculator_mhz@ MHz. The reader of pictures,
-// in whose place a screen comes, runs at 25 MHz. The figures of the PLLs follow from the design.
+// clk_25mhz is the clock of the screen's pixels and feeds three PLLs: one makes the clock of memory and host of @core_mhz@ MHz, one the calculator's
+// of @calculator_mhz@ MHz, one that of the screen's bits of @bits_mhz@ MHz, two of which leave in a cycle. The figures of the PLLs follow from the design.
 //
 // Resets: the core is in reset until the PLL of its clock is locked, and while FIRE1 is pressed; the calculator's domain alone while the PLL of its
 // clock is not locked.
 //
-// LEDs: 0 the memory is ready; 3 pictures leave the memory; 7 the clocks of core and calculator are locked.
+// LEDs: 0 the memory is ready; 3 pictures leave the memory; 7 the clocks of core, calculator and screen are locked.
 `default_nettype none
 module ulx3s_top (
     input  wire       clk_25mhz,
@@ -15,6 +15,8 @@ module ulx3s_top (
     // Named from the FT231X: it transmits on ftdi_txd.
     input  wire       ftdi_txd,
     output wire       ftdi_rxd,
+    // DVI: blue, green, red, clock. The pads drive the other half of each pair.
+    output wire [3:0] gpdi_dp,
     // High: the ESP32 keeps running its program.
     output wire       wifi_gpio0
 );
@@ -46,14 +48,28 @@ module ulx3s_top (
         .PLLWAKESYNC(1'b0), .ENCLKOP(1'b0)
     );
 
+    // 25 MHz / @bits_divide@ * @bits_feedback@ = @bits_mhz@ MHz; the oscillator runs @bits_output@ times as fast.
+    wire bit_clock, bits_locked;
+    (* FREQUENCY_PIN_CLKI = "25", FREQUENCY_PIN_CLKOP = "@bits_mhz@" *)
+    (* ICP_CURRENT = "12", LPF_RESISTOR = "8", MFG_ENABLE_FILTEROPAMP = "1", MFG_GMCREF_SEL = "2" *)
+    EHXPLLL #(
+        .CLKI_DIV(@bits_divide@), .CLKFB_DIV(@bits_feedback@), .CLKOP_DIV(@bits_output@), .CLKOP_CPHASE(@bits_output@ / 2),
+        .CLKOP_FPHASE(0), .CLKOP_ENABLE("ENABLED"), .FEEDBK_PATH("CLKOP"), .OUTDIVIDER_MUXA("DIVA"),
+        .PLLRST_ENA("DISABLED"), .INTFB_WAKE("DISABLED"), .STDBY_ENABLE("DISABLED"), .DPHASE_SOURCE("DISABLED")
+    ) bits_pll (
+        .CLKI(clk_25mhz), .CLKFB(bit_clock), .CLKOP(bit_clock), .LOCK(bits_locked),
+        .RST(1'b0), .STDBY(1'b0), .PHASESEL0(1'b0), .PHASESEL1(1'b0), .PHASEDIR(1'b1), .PHASESTEP(1'b1), .PHASELOADREG(1'b1),
+        .PLLWAKESYNC(1'b0), .ENCLKOP(1'b0)
+    );
+
     // Resets are registered: no logic stands before an asynchronous set.
     wire button;
     edof_debounce fire1 (.clock_i(core_clock), .line_i(btn_fire1), .level_o(button));
-    wire core_locked_seen, calculator_locked_seen;
-    edof_sync #(.WIDTH(2)) locks (
+    wire core_locked_seen, calculator_locked_seen, bits_locked_seen;
+    edof_sync #(.WIDTH(3)) locks (
         .clock_i(core_clock),
-        .from_i({core_locked, calculator_locked}),
-        .to_o({core_locked_seen, calculator_locked_seen})
+        .from_i({core_locked, calculator_locked, bits_locked}),
+        .to_o({core_locked_seen, calculator_locked_seen, bits_locked_seen})
     );
     reg reset_q = 1'b1;
     reg calculator_reset_q = 1'b1;
@@ -63,13 +79,13 @@ module ulx3s_top (
     end
 
     wire [3:0] states;
-    assign led = {core_locked_seen & calculator_locked_seen, 3'b000, states};
+    assign led = {core_locked_seen & calculator_locked_seen & bits_locked_seen, 3'b000, states};
     assign wifi_gpio0 = 1'b1;
 
     ulx3s_core core (
-        .clock_i(core_clock), .calculator_clock_i(calculator_clock), .screen_clock_i(clk_25mhz),
+        .clock_i(core_clock), .calculator_clock_i(calculator_clock), .screen_clock_i(clk_25mhz), .bit_clock_i(bit_clock),
         .reset_i(reset_q), .calculator_reset_i(calculator_reset_q),
-        .uart_receive_i(ftdi_txd), .uart_transmit_o(ftdi_rxd), .leds_o(states)
+        .uart_receive_i(ftdi_txd), .uart_transmit_o(ftdi_rxd), .dvi_o(gpdi_dp), .leds_o(states)
     );
 endmodule
 `default_nettype wire

@@ -25,8 +25,10 @@ folder=$work/ulx3s
 
 # The PLLs' divisions are those of prjtrellis' own tool, where that is beside the packer.
 if command -v "${packer%ecppack}ecppll" >/dev/null; then
-    for clock in core calculator; do
-        mhz=$(sed -n "s/.*MHz \/ .* = \([0-9.]*\) MHz;.*/\1/p" "$folder/rtl/ulx3s_top.v" | sed -n "$([ $clock = core ] && echo 1 || echo 2)p")
+    line=0
+    for clock in core calculator bits; do
+        line=$((line + 1))
+        mhz=$(sed -n "s/.*MHz \/ .* = \([0-9.]*\) MHz;.*/\1/p" "$folder/rtl/ulx3s_top.v" | sed -n "${line}p")
         theirs=$("${packer%ecppack}ecppll" -i 25 -o "$mhz" 2>/dev/null | sed -n 's/^\(Refclk\|Feedback\) divisor: //p' | paste -sd' ')
         ours=$(tr -d '\n' <"$folder/rtl/ulx3s_top.v" | sed -n "s/.*\.CLKI_DIV(\([0-9]*\)), \.CLKFB_DIV(\([0-9]*\)).* ${clock}_pll (.*/\1 \2/p")
         [ "$theirs" = "$ours" ] || fail "$clock: divisions $ours, ecppll has $theirs"
@@ -35,11 +37,11 @@ fi
 
 make -C "$folder" bitstream NEXTPNR="$router" ECPPACK="$packer"
 head -c 200 "$folder/build/edof.bit" | grep -a 'Part: LFE5U-85F' >/dev/null || fail "the bitstream is for another part"
-grep -q '^MULT18X18D: 26 of 156$' "$folder/build/report.txt" || fail "the report has other multipliers"
+grep -q '^MULT18X18D: 31 of 156$' "$folder/build/report.txt" || fail "the report has other multipliers"
 
 # A report that must not pass.
 wrong() {
-    ! (cd "$folder" && python3 report.py "$work/wrong.json" core_clock="$core" calculator_clock="$calculator" clk_25mhz=25) >/dev/null 2>&1 ||
+    ! (cd "$folder" && python3 report.py "$work/wrong.json" core_clock="$core" calculator_clock="$calculator" clk_25mhz=25 bit_clock=125) >/dev/null 2>&1 ||
         fail "a wrong report passes: $1"
 }
 core=$(sed -n 's/.*core_clock=\([0-9.]*\).*/\1/p' "$folder/Makefile") calculator=$(sed -n 's/.*calculator_clock=\([0-9.]*\).*/\1/p' "$folder/Makefile")

@@ -207,9 +207,11 @@ fn a_design_for_another_board_is_estimated_and_what_the_board_lacks_is_named() {
     assert_eq!(json(&place, "open.json")["board"], "ulx3s");
     let check = place.edof("design check open.json").done().out;
     assert!(check.contains(" MULT18X18D, ") && check.contains("of an LFE5U-85F"), "{check}");
-    assert!(check.contains("screen and input: none on board ulx3s"), "{check}");
+    let screen =
+        "60 frames per second at a pixel clock of 25.00 MHz, in the middle of a screen of 640x480; no input";
+    assert!(check.contains(screen), "{check}");
     let estimate = place.edof("estimate --design open.json").done().out;
-    assert!(estimate.contains("DP16KD") && estimate.contains("board ulx3s has no video"), "{estimate}");
+    assert!(estimate.contains("DP16KD") && estimate.contains("board ulx3s has no video input"), "{estimate}");
     place.edof("random-network --design open.json --out random.fixed.safetensors").done();
     let network = "--design open.json --weights random.fixed.safetensors";
     for (line, message) in [
@@ -221,7 +223,7 @@ fn a_design_for_another_board_is_estimated_and_what_the_board_lacks_is_named() {
         ("board sim --design open.json".to_owned(), "board ulx3s has no video input; add --rtl"),
         (
             "board sim --rtl --design open.json --picture p.png".to_owned(),
-            "--picture: board ulx3s has no video",
+            "--picture: board ulx3s has no video input",
         ),
         (
             "explore --design open.json --weights random.fixed.safetensors --device xc7k325t".to_owned(),

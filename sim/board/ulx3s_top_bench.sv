@@ -34,23 +34,24 @@ module EHXPLLL (
     wire unused = &{1'b0, CLKFB, PHASESEL0, PHASESEL1, PHASEDIR, PHASESTEP, PHASELOADREG, PLLWAKESYNC, ENCLKOP};
 endmodule
 
-// What the top sees of a core: its line goes back inverted, its LEDs are alternate.
+// What the top sees of a core: its line goes back inverted, its LEDs are alternate, and so are pairs of its screen.
 module ulx3s_core (
-    input  wire clock_i, calculator_clock_i, screen_clock_i, reset_i, calculator_reset_i, uart_receive_i,
+    input  wire clock_i, calculator_clock_i, screen_clock_i, bit_clock_i, reset_i, calculator_reset_i, uart_receive_i,
     output wire uart_transmit_o,
-    output wire [3:0] leds_o
+    output wire [3:0] dvi_o, leds_o
 );
     assign uart_transmit_o = !uart_receive_i;
-    assign leds_o = 4'b0101;
+    assign leds_o = 4'b0101, dvi_o = 4'b0110;
 endmodule
 
 module ulx3s_top_bench;
     reg clk_25mhz = 1'b0, btn_fire1 = 1'b0, ftdi_txd = 1'b1;
     wire [7:0] led;
+    wire [3:0] gpdi_dp;
     wire ftdi_rxd, wifi_gpio0;
     always #20000 clk_25mhz = !clk_25mhz;
     ulx3s_top dut (
-        .clk_25mhz(clk_25mhz), .btn_fire1(btn_fire1), .led(led), .ftdi_txd(ftdi_txd), .ftdi_rxd(ftdi_rxd), .wifi_gpio0(wifi_gpio0)
+        .clk_25mhz(clk_25mhz), .btn_fire1(btn_fire1), .led(led), .ftdi_txd(ftdi_txd), .ftdi_rxd(ftdi_rxd), .gpdi_dp(gpdi_dp), .wifi_gpio0(wifi_gpio0)
     );
     // A press of some microseconds is enough here.
     defparam dut.fire1.LOG_CYCLES = 6;
@@ -72,7 +73,8 @@ module ulx3s_top_bench;
                 case (clock)
                     0: @(posedge dut.core.clock_i);
                     1: @(posedge dut.core.calculator_clock_i);
-                    default: @(posedge dut.core.screen_clock_i);
+                    2: @(posedge dut.core.screen_clock_i);
+                    default: @(posedge dut.core.bit_clock_i);
                 endcase
                 if (cycle == 0) begun = $realtime;
             end
@@ -97,6 +99,8 @@ module ulx3s_top_bench;
         measure(0, @core_ps@);
         measure(1, @calculator_ps@);
         measure(2, 40000.0);
+        measure(3, 8000.0);
+        if (gpdi_dp !== 4'b0110) fail("the screen");
         ftdi_txd = 1'b0;
         #1000 if (ftdi_rxd !== 1'b1) fail("the serial line");
         btn_fire1 = 1'b1;

@@ -1,5 +1,5 @@
 // Functional models of ECP5 cells that Yosys has as empty modules alone: what is instantiated here, and nothing more. A use that they do not model
-// stops the simulation. Sources: FPGA-TN-02205 (multipliers), FPGA-TN-02204 (memories: PDPW16KD); for which half of a word is at which output, Yosys
+// stops the simulation. Sources: FPGA-TN-02205 (multipliers), FPGA-TN-02035 (pads: ODDRX1F sends D0 first; three edges as in the vendor's own model), FPGA-TN-02204 (memories: PDPW16KD); for which half of a word is at which output, Yosys
 // (techlibs/ecp5/brams_connect.py, bram_conn_36; lattice/brams_map_16kd.v) and nextpnr (ecp5/pack.cc).
 // verilator lint_off DECLFILENAME
 // verilator lint_off UNUSEDPARAM
@@ -37,6 +37,19 @@ module MULT18X18D (
     always @(posedge CLK0) if (!is_modelled) $fatal(1, "%m: no model of this use");
     wire unused = &{1'b0, C0, C1, C2, C3, C4, C5, C6, C7, C8, C9, C10, C11, C12, C13, C14, C15, C16, C17,
         CLK1, CLK2, CLK3, CE1, CE2, CE3, RST1, RST2, RST3};
+endmodule
+
+// Two bits per cycle to a pad: D0 while the clock is high, D1 while it is low.
+module ODDRX1F (input SCLK, input RST, input D0, input D1, output Q);
+    parameter GSR = "ENABLED";
+    reg [1:0] pair_1_q, pair_2_q, pair_3_q;
+    always @(posedge SCLK) begin
+        pair_1_q <= {D1, D0};
+        pair_2_q <= pair_1_q;
+        pair_3_q <= pair_2_q;
+        if (RST) $fatal(1, "%m: no model of this use");
+    end
+    assign Q = SCLK ? pair_3_q[0] : pair_3_q[1];
 endmodule
 
 // A port that writes and a port that reads 512 words of 36 bits, with or without the output register.

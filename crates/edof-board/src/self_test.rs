@@ -10,7 +10,6 @@ use edof_device::Design;
 use edof_device::crc::{Place, single_bit};
 use edof_device::pattern::Pattern;
 use edof_device::registers::map;
-use edof_device::video::VideoTiming;
 use edof_golden::video::pattern;
 use edof_golden::{Display, Golden};
 use serde::Serialize;
@@ -151,12 +150,7 @@ impl<L: Line> Board<L> {
     /// Clocks of screen and input in cycles of the core's.
     fn try_clocks(&mut self, test: &SelfTest<'_>) -> Result<Result<String, String>, Error> {
         let board = test.design.board;
-        // In place of a screen the reader of pictures has the clock of the board.
-        let khz = match board.video_out {
-            Some(_) => VideoTiming::of_frame(test.design.frame).pixel_khz,
-            None => board.clocks.source_khz as usize,
-        };
-        let expected = khz as f64 / 1e3;
+        let expected = test.design.screen().pixel_khz as f64 / 1e3;
         let core = f64::from(board.core_khz) / 1e3;
         let Some(clocks) = self.pixel_clocks(board)? else {
             return Ok(Err("the core's clock stands still".into()));

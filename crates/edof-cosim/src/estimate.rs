@@ -148,7 +148,7 @@ impl<'a> Estimated<'a> {
             stages: resources::stages(design),
             total: resources::whole(design),
             board: design
-                .video()
+                .video_chips()
                 .ok()
                 .map(|_| figures(design.frame, CoreCycles::of(design, cycles, latency), periods)),
             design,

@@ -2,6 +2,7 @@
 
 use crate::estimate::Estimated;
 use edof_device::Design;
+use edof_device::board::Smaller;
 use edof_device::board::part::Cells;
 use edof_device::design::DesignError;
 use edof_device::video::VideoTiming;
@@ -37,7 +38,10 @@ impl Promise {
         design.check_board()?;
         let estimated = Estimated::new(design, None);
         let Estimated { ahead, board, total, .. } = &estimated;
-        let mode = design.board.video_out.as_ref().and_then(|_| VideoTiming::mode(design.frame));
+        let mode = design.board.video_out.as_ref().and_then(|video| match video.smaller {
+            Smaller::Middle(screen) => Some(screen),
+            Smaller::Simulated(_) => VideoTiming::mode(design.frame),
+        });
         let part = estimated.part();
         Ok(Self {
             cycles_per_patch: ahead.cycles_per_patch,
@@ -59,9 +63,15 @@ impl Promise {
         let frame = design.frame;
         let video = match self.video {
             Some((rate, khz)) => {
-                format!("{rate:.0} frames per second at a pixel clock of {:.2} MHz", khz as f64 / 1e3)
+                let (mhz, screen) = (khz as f64 / 1e3, design.screen());
+                let around = match screen == VideoTiming::of_frame(frame) {
+                    true => String::new(),
+                    false => format!(", in the middle of a screen of {}", screen.size()),
+                };
+                let input = if design.board.video_in.is_none() { "; no input" } else { "" };
+                format!("{rate:.0} frames per second at a pixel clock of {mhz:.2} MHz{around}{input}")
             }
-            None if design.video().is_err() => format!("none on board {}", design.board.name),
+            None if design.board.video_out.is_none() => format!("none on board {}", design.board.name),
             None => "no video mode: for simulation alone".to_owned(),
         };
         let traffic = self.memory.map(|bytes| bytes.map(|bytes| bytes / 1e6));

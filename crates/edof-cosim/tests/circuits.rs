@@ -19,6 +19,7 @@ mod crossing;
 mod crossing_resets;
 mod debounce;
 mod differential;
+mod dvi;
 mod ecp5;
 mod edid;
 mod edof_core;

@@ -105,6 +105,34 @@ fn leaves_of_its_own_cells_compute_what_the_portable_ones_do() {
     }
 }
 
+/// What pads show in both halves of each cycle.
+fn halves(source: &Source, inputs: &[[u64; 2]]) -> Vec<[u64; 2]> {
+    let library = Library::build(source, &support::options()).unwrap();
+    let mut model = library.start(&Start::default()).unwrap();
+    let pins = source.port("pins_o").unwrap();
+    let mut cycle = |pair: &[u64; 2]| {
+        (1..).zip(pair).for_each(|(port, value)| model.poke(port, *value).unwrap());
+        model.tick().unwrap();
+        [model.peek_high(pins).unwrap(), model.peek(pins).unwrap()]
+    };
+    inputs.iter().map(&mut cycle).collect::<Vec<_>>().split_off(SETTLED)
+}
+
+#[test]
+fn pads_show_two_bits_per_cycle_as_the_portable_leaf_does() {
+    let ports = [Port::input("first_i", 4), Port::input("second_i", 4), Port::output("pins_o", 4)];
+    let draw = &mut Draw::new(5);
+    let inputs: Vec<[u64; 2]> = (0..2_000).map(|_| [0; 2].map(|_: u64| draw.whole(0, 15) as u64)).collect();
+    let leaf = Leaf { name: "edof_ddr_out", ports: ports.into(), inputs: vec![] };
+    let [portable, own] = leaf.texts().map(|text| text.replace("WIDTH = 1", "WIDTH = 4"));
+    let found = halves(&ecp5::with_cells(leaf.source(&own)).unwrap(), &inputs);
+    assert_eq!(halves(&leaf.source(&portable), &inputs), found);
+    // A pair leaves from its third edge on.
+    assert_eq!(found, inputs[SETTLED - 2..inputs.len() - 2]);
+    let swapped = own.replace(".D0(first_i[pin])", ".D0(second_i[pin])");
+    assert_ne!(halves(&ecp5::with_cells(leaf.source(&swapped)).unwrap(), &inputs), found);
+}
+
 #[test]
 fn mistakes_in_a_leaf_are_found() {
     let leaf = macc();

@@ -4,6 +4,7 @@
 use crate::common::{committed, moderate};
 use crate::support;
 use edof_board::Board;
+use edof_board::chip_models::Timing;
 use edof_board::link::PATIENCE;
 use edof_board::load::Job;
 use edof_board::self_test::SelfTest;
@@ -37,11 +38,41 @@ fn speed() -> Speed {
 }
 
 fn project(network: &FixedNetwork) -> Project {
-    first_light::project(&design(), [network; 2], &display(), speed()).unwrap()
+    let design = design();
+    let screen = first_light::small_screen(&design);
+    first_light::project(&design, [network; 2], &display(), speed(), screen).unwrap()
 }
 
 fn start(project: &Project, seed: u64) -> FirstLight {
     FirstLight::start(project, &design(), (speed(), seed), &support::options()).unwrap()
+}
+
+/// The screen's own timing, as another source has it.
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn a_screen_at_the_pins_shows_every_pixel_of_the_golden_picture_and_black_around_it() {
+    let design = design();
+    let network = moderate(&design, 5);
+    let screen = design.screen();
+    let project = first_light::project(&design, [&network; 2], &display(), speed(), screen).unwrap();
+    let raw = &system::drawn(design.frame, 1, 5).unwrap()[0];
+    let mut simulated = start(&project, 1);
+    let mut board = Board::open(&mut simulated, PATIENCE).unwrap();
+    let words = Array2::from_shape_vec(raw.size(), system::sent(raw)).unwrap();
+    board.put_frame(&words, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    simulated.connect_screen().unwrap();
+    // Frames end with their vertical sync: up to one is cut at the start, and the next ones are whole.
+    let mut frames = vec![];
+    while frames.len() < 3 {
+        simulated.steps(1_000_000).unwrap();
+        frames = simulated.cable.as_ref().unwrap().receiver.frames().unwrap();
+    }
+    let golden = Golden::new(network).unwrap().frame(raw).unwrap().picture(&display()).0;
+    let frame = &frames[2];
+    assert_eq!((frame.timing.line.total(), frame.timing.frame.total()), (800, 525));
+    assert_eq!(Timing { khz: Timing::VGA.khz, ..frame.timing }, Timing::VGA);
+    assert_eq!(frame.negative, [true; 2]);
+    assert!(frame.pixels == first_light::on_screen(&golden, screen));
 }
 
 /// A frame of the host's goes round: every boundary has the golden words, and the picture that comes back is the golden one.

@@ -12,7 +12,8 @@ use edof_hdl::board::{ChipSetup, Pace};
 use std::collections::BTreeMap;
 
 /// Short bits and milliseconds make a short simulation.
-const PACE: Pace = Pace { cycles_per_bit: 16, uart_time_out: 0, i2c_quarter: 8, millisecond: 40 };
+const PACE: Pace =
+    Pace { cycles_per_bit: 16, uart_time_out: 0, i2c_quarter: 8, millisecond: 40, screen: None };
 /// Cycles that a transfer takes at most: 60 bits with nine clocks before them, and 1,600 quarters for which the clock line is held.
 const TRANSFER: usize = (70 * 4 + 1600) * 8 + 2_000;
 /// Entries of the memory in all of these tests, so that one model serves them.

@@ -49,6 +49,11 @@ fn a_top_with_a_wrong_clock_reset_or_pin_is_found() {
             "FAIL: clock 0 has a period of",
         ),
         ("button | !core_locked_seen".into(), "button".into(), "FAIL: the core's reset is over before"),
+        (
+            ".bit_clock_i(bit_clock)".into(),
+            ".bit_clock_i(core_clock)".into(),
+            "FAIL: clock 3 has a period of",
+        ),
         (".uart_receive_i(ftdi_txd)".into(), ".uart_receive_i(ftdi_rxd)".into(), "FAIL: the serial line"),
         ("reset_q <= button |".into(), "reset_q <=".into(), "FAIL: FIRE1 resets the core alone"),
     ] {
@@ -72,6 +77,7 @@ fn every_pin_of_the_top_has_one_place() {
     let (located, levels) = (of("LOCATE COMP "), of("IOBUF PORT "));
     let names = |rows: &[[String; 2]]| rows.iter().map(|row| row[0].clone()).collect::<BTreeSet<_>>();
     let leds = (0..8).map(|i| format!("led[{i}]"));
+    let leds = leds.chain((0..4).map(|i| format!("gpdi_dp[{i}]")));
     let others = ["clk_25mhz", "btn_fire1", "ftdi_txd", "ftdi_rxd", "wifi_gpio0"].map(String::from);
     let expected: BTreeSet<String> = leds.chain(others).collect();
     assert_eq!((names(&located), names(&levels)), (expected.clone(), expected.clone()));
@@ -84,7 +90,7 @@ fn every_pin_of_the_top_has_one_place() {
         declared.map(|line| line.trim_end_matches(',').split_whitespace().last().unwrap()).collect();
     assert_eq!(
         declared,
-        BTreeSet::from(["clk_25mhz", "btn_fire1", "led", "ftdi_txd", "ftdi_rxd", "wifi_gpio0"])
+        BTreeSet::from(["clk_25mhz", "btn_fire1", "led", "ftdi_txd", "ftdi_rxd", "gpdi_dp", "wifi_gpio0"])
     );
 }
 

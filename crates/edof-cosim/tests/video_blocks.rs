@@ -8,6 +8,9 @@ use edof_core::draw::Draw;
 use edof_device::Design;
 use edof_device::design::FrameSize;
 use edof_device::video::{Axis, VideoTiming};
+use edof_golden::display::Picture;
+use edof_golden::video::{Pins, Tmds, VideoOut as OutModel};
+use edof_hdl::video::border::Border;
 use edof_hdl::video::display::{Display, TABLE_IMAGES};
 use edof_hdl::video::grey_join::GreyJoin;
 use edof_hdl::video::overlap_add::OverlapAdd;
@@ -15,18 +18,25 @@ use edof_hdl::video::patch_pairs::PatchPairs;
 use edof_hdl::video::queue::Queue;
 use edof_hdl::video::raster_reorder::RasterReorder;
 use edof_hdl::video::scale::Scale;
+use edof_hdl::video::sink_rgb::{self, SinkRgb};
+use edof_hdl::video::tmds_encoder::{BitCount, TmdsEncoder};
 use edof_hdl::video::video_in::VideoIn;
 use edof_hdl::video::video_out::VideoOut;
 use edof_hdl::video::window_reorder::WindowReorder;
 use edof_verilog::describe::Circuit;
+use ndarray::Array2;
 use rust_hdl::prelude::*;
 
 ported!(
+    BitCount,
+    Border,
     Display,
     GreyJoin,
     OverlapAdd,
     PatchPairs,
     RasterReorder,
+    SinkRgb,
+    TmdsEncoder,
     VideoIn,
     VideoOut,
     WindowReorder,
@@ -284,5 +294,95 @@ fn video_out() {
             sent += 1;
         }
         b.pixels_last.next = bit(draw);
+    });
+}
+
+/// Bytes, some of which come again and again; then symbols of control.
+#[test]
+fn tmds_encoder() {
+    let (mut model, mut sent) = (Tmds::default(), std::collections::VecDeque::new());
+    let mut byte = 0;
+    agree(TmdsEncoder::default(), 8, &[], move |b, draw, last| {
+        // What was sent four cycles ago, and its disparity in pairs.
+        if sent.len() == 5 {
+            let (symbol, disparity): (u16, i32) = sent.pop_front().unwrap();
+            assert_eq!(last.port("symbol"), u64::from(symbol), "cycle {}", last.cycle);
+            assert_eq!(last.port("disparity"), (disparity / 2) as u64 & 15, "cycle {}", last.cycle);
+        }
+        let (de, control) = (last.cycle % 200 > 20, draw.whole(0, 3) as u8);
+        if draw.whole(0, 3) == 0 {
+            byte = draw.whole(0, 255) as u8;
+        }
+        b.de.next = de;
+        b.byte.next = u64::from(byte).into();
+        b.control.next = u64::from(control).into();
+        let symbol = if de { model.pixel(byte) } else { model.control(control) };
+        sent.push_back((symbol, model.disparity));
+    });
+}
+
+#[test]
+fn bit_count() {
+    agree(BitCount::default(), 1, &[], |b, draw, _| b.bits.next = word(draw));
+}
+
+/// Lines of random codes and lengths, and pauses: each cycle's pixel, and what the golden sink shows of it (blue low).
+fn shown_lines(draw: &mut Draw) -> Vec<(Option<u16>, u64)> {
+    let mut cycles = vec![(None, 0); 8];
+    while cycles.len() < 4_000 {
+        let codes: Vec<u16> = (0..2 * draw.whole(1, 12)).map(|_| (draw.bits() >> 48) as u16).collect();
+        let plane = |bytes: Vec<u8>| Array2::from_shape_vec((1, bytes.len()), bytes).unwrap();
+        let chroma =
+            |which| plane(codes.iter().skip(which).step_by(2).map(|code| (code >> 8) as u8).collect());
+        let luma = plane(codes.iter().map(|code| *code as u8).collect());
+        let shown = Picture { luma, chroma: [chroma(0), chroma(1)] }.shown();
+        let colours = |x: usize| (0..3).fold(0, |word, i| word | u64::from(shown[(2 - i, 0, x)]) << (8 * i));
+        cycles.extend(codes.iter().enumerate().map(|(x, code)| (Some(*code), colours(x))));
+        cycles.extend((0..draw.whole(1, 6)).map(|_| (None, 0)));
+    }
+    cycles
+}
+
+#[test]
+fn sink_rgb() {
+    let cycles = shown_lines(&mut Draw::new(7));
+    agree(SinkRgb::default(), 24, &[], move |b, draw, last| {
+        let now = last.cycle as usize;
+        if now > 16 {
+            assert_eq!(last.port("colours"), cycles[now - 1 - sink_rgb::LATENCY].1, "cycle {now}");
+        }
+        b.de.next = cycles[now].0.is_some();
+        b.data.next = cycles[now].0.map_or_else(|| word(draw), |code| u64::from(code).into());
+    });
+}
+
+/// The syncs of a screen, and where its pixels are.
+#[test]
+fn border() {
+    let screen = VideoTiming {
+        line: Axis { active: 17, front: 2, sync: 3, back: 4 },
+        frame: Axis { active: 11, front: 1, sync: 2, back: 3 },
+        pixel_khz: 1000,
+    };
+    let (mut bus, mut tops) = (OutModel::new(screen), 0);
+    let [mut before, mut now] = [Pins::default(); 2];
+    agree(Border::new(screen), RESET as usize, &[], move |b, draw, last| {
+        b.reset.next = resets(last, draw);
+        // Resets come in the second half alone.
+        if (RESET..1_500).contains(&last.cycle) {
+            let expected = [before.hs, before.vs, before.de && tops > 0];
+            assert_eq!(
+                ["hs_later", "vs_later", "de"].map(|port| last.is(port)),
+                expected,
+                "cycle {}",
+                last.cycle
+            );
+        }
+        bus.step(None);
+        let pins = bus.pins();
+        tops += u64::from(last.cycle > RESET && pins.vs && !now.vs);
+        (before, now) = (now, pins);
+        b.hs.next = pins.hs;
+        b.vs.next = pins.vs;
     });
 }

@@ -1,4 +1,4 @@
-//! Video timing: what lies around a picture on the wires between devices (CEA-861).
+//! Video timing: what lies around a picture on the wires between devices (CEA-861, VESA DMT).
 //!
 //! The picture comes first, so that a frame begins with its first pixel: picture, front porch, sync, back porch, along a line and along
 //! the lines of a frame.
@@ -25,6 +25,12 @@ impl Axis {
         self.active + self.front + self.sync + self.back
     }
 
+    /// With a shorter picture in the middle.
+    const fn around(self, active: usize) -> Self {
+        let border = self.active.saturating_sub(active);
+        Self { active, front: border - border / 2 + self.front, back: self.back + border / 2, ..self }
+    }
+
     /// Whether the sync pulse is on at this place.
     #[must_use]
     pub const fn in_sync(self, at: usize) -> bool {
@@ -33,7 +39,8 @@ impl Axis {
     }
 }
 
-/// The timing of a screen. Both syncs are positive pulses, as all of these formats have them; a frame's sync begins with that of a line.
+/// The timing of a screen. A frame's sync begins with that of a line. Both syncs are positive pulses where a block has them; a cable's polarity is
+/// its board's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct VideoTiming {
     /// Along a line, in pixels.
@@ -60,7 +67,14 @@ impl VideoTiming {
     /// 1920×1080 at 30 frames per second (CEA-861 format 34): as [`VideoTiming::P1080_60`] at half the clock.
     pub const P1080_30: Self = Self { pixel_khz: 74_250, ..Self::P1080_60 };
 
-    /// The video modes that boards are built for.
+    /// 640×480 at 60 frames per second (VESA DMT 4, CEA-861 format 1), at 25 MHz in place of 25.175.
+    pub const VGA_60: Self = Self {
+        line: Axis { active: 640, front: 16, sync: 96, back: 48 },
+        frame: Axis { active: 480, front: 10, sync: 2, back: 33 },
+        pixel_khz: 25_000,
+    };
+
+    /// The video modes of frames.
     pub const MODES: [Self; 3] = [Self::P720_60, Self::P1080_60, Self::P1080_30];
 
     /// The mode of [`VideoTiming::MODES`] for frames of a size, the fastest of several.
@@ -79,6 +93,20 @@ impl VideoTiming {
             let lines = Axis { active: frame.height, front: 2, sync: 2, back: 4 };
             Self { line, frame: lines, pixel_khz: line.total() * lines.total() * 60 / 1000 + 1 }
         })
+    }
+
+    /// Returns the timing of a picture in the middle of this screen: what is left around it counts as porches. A picture is no larger than the screen.
+    ///
+    /// ```
+    /// # use edof_device::{design::FrameSize, video::VideoTiming};
+    /// # let picture = FrameSize { width: 128, height: 80, stride: edof_core::Stride::PATCH };
+    /// let small = VideoTiming::VGA_60.around(picture);
+    /// assert_eq!((small.line.active, small.line.front, small.line.back), (128, 256 + 16, 48 + 256));
+    /// assert_eq!((small.frame.active, small.frame.total()), (80, 525));
+    /// ```
+    #[must_use]
+    pub const fn around(self, picture: FrameSize) -> Self {
+        Self { line: self.line.around(picture.width), frame: self.frame.around(picture.height), ..self }
     }
 
     /// The mode for which the video chips are set up: that of the frames; [`VideoTiming::P1080_60`] for frames of no mode, which stand for it
@@ -133,6 +161,7 @@ mod tests {
         {
             assert_eq!(timing.frames_per_second(), rate);
         }
+        assert!((VideoTiming::VGA_60.frames_per_second() - 60.0).abs() < 0.5);
         let size = |width, height| FrameSize { width, height, stride: Stride::PATCH };
         assert_eq!(VideoTiming::of_frame(size(1920, 1080)), VideoTiming::P1080_60);
         assert!((VideoTiming::of_frame(size(64, 48)).frames_per_second() - 60.0).abs() < 0.5);

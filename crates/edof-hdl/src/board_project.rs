@@ -110,6 +110,7 @@ fn numbers(design: &Design) -> Result<Vec<(String, String)>, ProjectError> {
         .extend(board.clock(board.core_khz.into()).into_iter().flat_map(|core| figures(board, "core", core)));
     if let Some(screen) = clocks.screen {
         numbers.extend(figures(board, "screen", screen));
+        numbers.extend(board.clock(5 * screen.khz).into_iter().flat_map(|bits| figures(board, "bits", bits)));
         if let Some(input) = &board.video_in {
             let [earliest, latest] = (input.delays_ns)(screen.period_ns());
             numbers.push(("input_delay_max".to_owned(), format!("{latest:.3}")));

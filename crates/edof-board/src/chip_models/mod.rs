@@ -13,6 +13,7 @@
 //! | the receiver: cable to pins | [`adv7611`] |
 //! | the transmitter: pins to cable | [`adv7511`] |
 //! | links, EDIDs, who is at the ends | [`hdmi`], [`edid`], [`source`], [`graphics_card`], [`screen`] |
+//! | a screen at a cable without chips: bits of DVI | [`dvi`] |
 //! | all of it as it is wired | [`imageon`], [`kc705`] |
 //!
 //! ```
@@ -31,6 +32,7 @@
 
 pub mod adv7511;
 pub mod adv7611;
+pub mod dvi;
 pub mod edid;
 pub mod expander;
 pub mod faults;

@@ -19,6 +19,9 @@ struct Clock {
     /// Femtoseconds.
     period: i64,
     drift_ppm: i64,
+    /// The period now; or the clock that it is a fraction of, and which.
+    now: i64,
+    of: Option<(usize, i64)>,
     /// Where the next edge belongs, and where it is.
     place: i64,
     next: i64,
@@ -48,8 +51,20 @@ impl Bench {
         let port = self.model.library().source().port(port)?;
         let period = 1000 * period_ps as i64;
         let place = self.now + self.draw.whole(1, period);
-        self.clocks.push(Clock { port, period, drift_ppm: 0, place, next: place, runs: true });
+        let (now, of) = (period, None);
+        self.clocks.push(Clock { port, period, drift_ppm: 0, now, of, place, next: place, runs: true });
         Ok(ClockId(self.clocks.len() - 1))
+    }
+
+    /// Adds the clock of a port that runs as many times as fast as another one, whose drift it shares. It starts at a random phase.
+    ///
+    /// # Errors
+    /// There is no such port.
+    pub fn multiple(&mut self, port: &str, times: u32, of: ClockId) -> Result<ClockId, Error> {
+        let times = i64::from(times);
+        let id = self.clock(port, (self.clocks[of.0].period / times / 1000) as u64)?;
+        self.clocks[id.0].of = Some((of.0, times));
+        Ok(id)
     }
 
     /// The model.
@@ -127,9 +142,11 @@ impl Bench {
 
     /// The edge after the one that was.
     fn plan(&mut self, clock: usize) {
+        let source = self.clocks[clock].of.map(|(of, times)| self.clocks[of].now / times);
         let clock = &mut self.clocks[clock];
         clock.drift_ppm = (clock.drift_ppm + self.draw.whole(-2, 2)).clamp(-DRIFT_PPM, DRIFT_PPM);
-        clock.place += clock.period + clock.period * clock.drift_ppm / 1_000_000;
+        clock.now = source.unwrap_or(clock.period + clock.period * clock.drift_ppm / 1_000_000);
+        clock.place += clock.now;
         let jitter = clock.period / JITTER;
         clock.next = clock.place + self.draw.whole(-jitter, jitter);
     }

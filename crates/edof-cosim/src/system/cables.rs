@@ -23,7 +23,8 @@ use std::rc::Rc;
 use std::time::Duration;
 
 /// What is not video goes as fast as the circuit can: a set-up takes some hundred thousand cycles, a millisecond of it is 100.
-pub const PACE: Pace = Pace { cycles_per_bit: 8, uart_time_out: 16_000, i2c_quarter: 4, millisecond: 100 };
+pub const PACE: Pace =
+    Pace { cycles_per_bit: 8, uart_time_out: 16_000, i2c_quarter: 4, millisecond: 100, screen: None };
 
 /// Edges of reset, and between two looks at what came.
 const RESET: usize = 400;

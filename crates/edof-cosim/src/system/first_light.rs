@@ -4,17 +4,20 @@
 use super::board::Speed;
 use super::pictures::TableWords;
 use super::uart::Terminal;
-use crate::bench::Bench;
+use crate::bench::{Actor, Bench, ClockId};
 use crate::chain::verilated::write_images;
-use crate::verilator::{Library, Options, Start};
+use crate::verilator::{Library, Model, Options, Start};
 use crate::{Source, work};
 use edof_board::Error;
+use edof_board::chip_models::dvi::Receiver;
 use edof_board::faulty::Resettable;
 use edof_board::line::{BITS_PER_BYTE, Line, line_time};
 use edof_board::terminal::Device;
 use edof_device::Design;
-use edof_golden::Display;
+use edof_device::design::FrameSize;
+use edof_device::video::VideoTiming;
 use edof_golden::video::figures::Periods;
+use edof_golden::{Display, Picture};
 use edof_hdl::board::{Identity, Pace, Ulx3sCore};
 use edof_hdl::project::{Project, ProjectError, images, of_circuit, spacious};
 use edof_network::FixedNetwork;
@@ -26,7 +29,66 @@ const RESET: usize = 400;
 const AT_ONCE: usize = 64;
 const BETWEEN: usize = 2_000;
 
-/// `ulx3s_core` of a design with a line of this speed; its sets of weights start with these networks.
+/// A screen at pins with two bits per cycle of their clock: blue, green, red, clock.
+pub struct DviCable {
+    clock: ClockId,
+    port: usize,
+    /// What the screen got.
+    pub receiver: Receiver,
+}
+
+impl DviCable {
+    /// A cable at a port, in the clock of its bits.
+    #[must_use]
+    pub fn new(port: usize, clock: ClockId) -> Self {
+        Self { clock, port, receiver: Receiver::default() }
+    }
+
+    fn take(&mut self, pins: u64) {
+        self.receiver.bits([0, 1, 2, 3].map(|pair| pins >> pair & 1 == 1));
+    }
+}
+
+impl Actor for DviCable {
+    fn clock(&self) -> ClockId {
+        self.clock
+    }
+
+    fn before(&mut self, model: &mut Model) -> Result<(), crate::Error> {
+        let pins = model.peek(self.port)?;
+        self.take(pins);
+        Ok(())
+    }
+
+    fn after(&mut self, model: &mut Model) -> Result<(), crate::Error> {
+        let pins = model.peek_high(self.port)?;
+        self.take(pins);
+        Ok(())
+    }
+}
+
+/// Returns red, green and blue of a screen that shows a picture in its middle, line by line.
+#[must_use]
+pub fn on_screen(picture: &Picture, screen: VideoTiming) -> Vec<[u8; 3]> {
+    let shown = picture.shown();
+    let (_, height, width) = shown.dim();
+    let (columns, rows) = (screen.line.active, screen.frame.active);
+    let (left, top) = ((columns - width) / 2, (rows - height) / 2);
+    let mut pixels = vec![[0; 3]; columns * rows];
+    for ((plane, row, column), code) in shown.indexed_iter() {
+        pixels[(top + row) * columns + left + column][plane] = *code;
+    }
+    pixels
+}
+
+/// A screen that is little larger than the frames: hosts wait for whole frames, which take a sixtieth of a second each on the design's.
+#[must_use]
+pub fn small_screen(design: &Design) -> VideoTiming {
+    let frame = design.frame;
+    VideoTiming::of_frame(FrameSize { width: frame.width + 4, height: frame.height + 2, ..frame })
+}
+
+/// `ulx3s_core` of a design with a line of this speed and a screen of this timing; its sets of weights start with these networks.
 ///
 /// # Errors
 /// [`ProjectError`]: what does not fit what.
@@ -35,6 +97,7 @@ pub fn project(
     sets: [&FixedNetwork; 2],
     display: &Display,
     speed: Speed,
+    screen: VideoTiming,
 ) -> Result<Project, ProjectError> {
     let words = TableWords::of(display);
     let tables = words.tables();
@@ -42,6 +105,7 @@ pub fn project(
     let pace = Pace {
         cycles_per_bit: speed.cycles_per_bit,
         uart_time_out: speed.time_out,
+        screen: Some(screen),
         ..Pace::of(design.board)
     };
     spacious(|| {
@@ -55,6 +119,9 @@ pub fn project(
 pub struct FirstLight {
     bench: Bench,
     terminal: Terminal,
+    screen_clock: ClockId,
+    /// The screen, once there is one.
+    pub cable: Option<DviCable>,
     speed: Speed,
     /// Bytes from the host, and to it.
     pub bytes: [u64; 2],
@@ -78,7 +145,7 @@ impl FirstLight {
         (speed, seed): (Speed, u64),
         options: &Options,
     ) -> Result<Self, Error> {
-        let project = project(design, sets, display, speed).map_err(stopped)?;
+        let project = project(design, sets, display, speed, small_screen(design)).map_err(stopped)?;
         Self::start(&project, design, (speed, seed), options)
     }
 
@@ -99,14 +166,15 @@ impl FirstLight {
         let model = library.start(&Start { seed, memory_dir: of_images }).map_err(stopped)?;
         let mut bench = Bench::new(model, seed);
         let periods = Periods::of_board(design);
-        let screen = 1_000_000_000 / u64::from(design.board.clocks.source_khz);
+        let screen = 1_000_000_000 / design.screen().pixel_khz as u64;
         let mut clock = |port, period| bench.clock(port, period).map_err(stopped);
         let core = clock("clock_i", periods.core)?;
         clock("calculator_clock_i", periods.calculator)?;
-        clock("screen_clock_i", screen)?;
+        let screen_clock = clock("screen_clock_i", screen)?;
         let terminal = Terminal::new(library.source(), core, speed.cycles_per_bit).map_err(stopped)?;
         bench.set("uart_receive_i", 1).map_err(stopped)?;
-        let mut board = Self { bench, terminal, speed, bytes: [0; 2], waited: 0.0 };
+        let mut board =
+            Self { bench, terminal, screen_clock, cable: None, speed, bytes: [0; 2], waited: 0.0 };
         board.reset()?;
         Ok(board)
     }
@@ -116,7 +184,23 @@ impl FirstLight {
     /// # Errors
     /// The simulation stops.
     pub fn steps(&mut self, edges: usize) -> Result<(), Error> {
-        self.bench.steps(edges, &mut [&mut self.terminal]).map_err(stopped)
+        let (bench, terminal) = (&mut self.bench, &mut self.terminal);
+        match &mut self.cable {
+            Some(cable) => bench.steps(edges, &mut [cable, terminal]),
+            None => bench.steps(edges, &mut [terminal]),
+        }
+        .map_err(stopped)
+    }
+
+    /// Connects a screen. Without one the clock of its bits stands still, which makes the simulation faster.
+    ///
+    /// # Errors
+    /// The circuit has no such pins.
+    pub fn connect_screen(&mut self) -> Result<(), Error> {
+        let clock = self.bench.multiple("bit_clock_i", 5, self.screen_clock).map_err(stopped)?;
+        let port = self.bench.model().library().source().port("dvi_o").map_err(stopped)?;
+        self.cable = Some(DviCable::new(port, clock));
+        Ok(())
     }
 
     /// Presses FIRE1.

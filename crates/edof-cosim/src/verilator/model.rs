@@ -100,6 +100,18 @@ impl Model {
         }
     }
 
+    /// The value of a port of up to 64 bits while the clocks that rose last are high: before inputs change or anything is read.
+    ///
+    /// # Errors
+    /// There is no such port, or it is wider.
+    pub fn peek_high(&self, port: usize) -> Result<u64, Error> {
+        self.expect_words(port, self.any(port)?.max(2), 2)?;
+        let mut words = [0; 2];
+        // SAFETY: the instance lives, and the port has at most as many words as the shim writes.
+        unsafe { (self.library.interface.peek)(self.instance.as_ptr(), port as u32, words.as_mut_ptr()) };
+        Ok(rows::get(&words))
+    }
+
     /// The settled value of any port in 32-bit words, the least significant first.
     ///
     /// # Errors

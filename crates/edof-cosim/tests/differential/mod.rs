@@ -63,6 +63,11 @@ impl Last {
         self.cycle > 0 && self.ports[port] == 1
     }
 
+    /// What a port was.
+    pub fn port(&self, port: &str) -> u64 {
+        self.ports[port]
+    }
+
     /// Whether these all were.
     pub fn all(&self, ports: &[&str]) -> bool {
         ports.iter().all(|port| self.is(port))

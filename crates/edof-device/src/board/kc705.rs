@@ -5,7 +5,7 @@
 use super::memory::Memory;
 use super::part::{BlockMemory, Columns, Multiplier, Part, ReadsTwice, Resources};
 use super::pll::Pll;
-use super::{Board, ClockMaker, Setup, Shell, VideoIn, VideoOut};
+use super::{Board, ClockMaker, Setup, Shell, Smaller, VideoIn, VideoOut};
 use crate::i2c::{receiver, transmitter};
 use crate::input_timing;
 use crate::video::VideoTiming;
@@ -26,9 +26,9 @@ pub const KC705: Board = Board {
         delays_ns: input_timing::delays_ns,
     }),
     video_out: Some(VideoOut {
-        setup: Setup { image: "mem/i2c_kc705.mem", program: |_| transmitter::program() },
+        setup: Some(Setup { image: "mem/i2c_kc705.mem", program: |_| transmitter::program() }),
         modes: &VideoTiming::MODES,
-        min_khz: 25_000,
+        smaller: Smaller::Simulated(25_000),
     }),
     shells: &[
         Shell {

@@ -77,12 +77,21 @@ pub struct VideoIn {
 
 /// A video output: a picture in 4:2:2.
 pub struct VideoOut {
-    /// Set-up of its chip.
-    pub setup: Setup,
-    /// Video modes.
+    /// Set-up of its chip, if it has one.
+    pub setup: Option<Setup>,
+    /// Video modes of frames.
     pub modes: &'static [VideoTiming],
-    /// Slowest pixel clock in kilohertz, which frames without a mode have in simulation. No screen shows them.
-    pub min_khz: u64,
+    /// What smaller frames are shown on.
+    pub smaller: Smaller,
+}
+
+/// What frames without a mode are shown on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Smaller {
+    /// No screen: they are for simulation, with the slowest pixel clock in kilohertz.
+    Simulated(u64),
+    /// The middle of a screen, in black.
+    Middle(VideoTiming),
 }
 
 /// The set-up of video chips on an I2C bus.
@@ -139,7 +148,7 @@ impl Board {
     /// Returns the set-ups of the output's and of the input's chips.
     pub fn setups(&self) -> impl Iterator<Item = &Setup> {
         let [output, input] = [
-            self.video_out.as_ref().map(|video| &video.setup),
+            self.video_out.as_ref().and_then(|video| video.setup.as_ref()),
             self.video_in.as_ref().map(|video| &video.setup),
         ];
         output.into_iter().chain(input)

@@ -1,12 +1,14 @@
-//! The ULX3S: Lattice LFE5U-85F-6 and an FT231X, for open tools from Verilog to the bitstream. First light: frames come and go over the serial line, and
-//! lie in block RAM; the board's SDRAM, its video output and a camera are not used.
+//! The ULX3S: Lattice LFE5U-85F-6 and an FT231X, for open tools from Verilog to the bitstream. First light: frames come over the serial line, lie in
+//! block RAM, and are shown by DVI; the board's SDRAM and a camera are not used.
 //!
-//! Sources: FPGA-DS-02012 (cells, limits of the PLL), FPGA-TN-02200 (its dividers; feedback from the output), ULX3S manual (25 MHz, FT231X).
+//! Sources: FPGA-DS-02012 (cells, limits of the PLL), FPGA-TN-02200 (its dividers; feedback from the output), ULX3S manual (25 MHz, FT231X, pairs of the
+//! video connector at pads of the FPGA).
 
 use super::memory::Memory;
 use super::part::{BlockMemory, Multiplier, Part, ReadsTwice, Resources};
 use super::pll::Pll;
-use super::{Board, ClockMaker, Shell};
+use super::{Board, ClockMaker, Shell, Smaller, VideoOut};
+use crate::video::VideoTiming;
 
 /// The ULX3S.
 pub const ULX3S: Board = Board {
@@ -19,7 +21,8 @@ pub const ULX3S: Board = Board {
     // The most that the FT231X has; a bit is 20 cycles.
     baud: 3_000_000,
     video_in: None,
-    video_out: None,
+    // No mode has frames of a buffer's size.
+    video_out: Some(VideoOut { setup: None, modes: &[], smaller: Smaller::Middle(VideoTiming::VGA_60) }),
     shells: &[Shell {
         name: "block-ram",
         about: "Frames in block RAM, a serial line for the host; Yosys and nextpnr",
@@ -74,8 +77,9 @@ const LFE5U_85F: Part = Part {
     columns: None,
 };
 
-/// Multipliers with their own registers; what the portable ones become here has them outside.
-const LEAVES: [(&str, &str); 2] = [
+/// Cells of pads, and multipliers with their own registers; what the portable ones become here has them outside.
+const LEAVES: [(&str, &str); 3] = [
+    ("edof_ddr_out", include_str!("../../../../rtl/ecp5/edof_ddr_out.v")),
     ("edof_macc", include_str!("../../../../rtl/ecp5/edof_macc.v")),
     ("edof_scale", include_str!("../../../../rtl/ecp5/edof_scale.v")),
 ];

@@ -1,7 +1,7 @@
 //! A design on its board: the clocks that it needs there, and whether frames fit.
 
 use super::{Design, DesignError};
-use crate::board::{Board, MadeClock, VideoIn, VideoOut};
+use crate::board::{MadeClock, Setup, Smaller, VideoOut};
 use crate::video::VideoTiming;
 use edof_core::words::number;
 
@@ -31,15 +31,25 @@ impl Design {
         Ok(Clocks { calculator, screen: self.board.video_out.as_ref().map(screen).transpose()? })
     }
 
-    /// Returns the board's video input and output.
+    /// Returns the set-ups of the video chips, the output's first.
     ///
     /// # Errors
-    /// [`DesignError::Lacks`]: the board has none.
-    pub fn video(&self) -> Result<(&'static VideoIn, &'static VideoOut), DesignError> {
-        let board: &'static Board = self.board;
+    /// [`DesignError::Lacks`]: the board lacks one of them.
+    pub fn video_chips(&self) -> Result<[&'static Setup; 2], DesignError> {
+        let board = self.board;
         let lacks = |what: &str| DesignError::Lacks { board: board.name, what: what.into() };
         let input = board.video_in.as_ref().ok_or_else(|| lacks("video input"))?;
-        Ok((input, board.video_out.as_ref().ok_or_else(|| lacks("video output"))?))
+        let output = board.video_out.as_ref().and_then(|video| video.setup.as_ref());
+        Ok([output.ok_or_else(|| lacks("video output with a chip"))?, &input.setup])
+    }
+
+    /// Returns the timing of the screen: that of the frames, or a larger one that shows them in its middle ([`VideoTiming::around`]).
+    #[must_use]
+    pub fn screen(&self) -> VideoTiming {
+        match self.board.video_out.as_ref().map(|video| video.smaller) {
+            Some(Smaller::Middle(screen)) => screen,
+            _ => VideoTiming::of_frame(self.frame),
+        }
     }
 
     /// # Errors
@@ -85,11 +95,14 @@ impl Design {
 
     /// Returns the pixel clock of the screen, from the video mode of the frames.
     fn screen_clock(&self, video: &VideoOut) -> Result<MadeClock, DesignError> {
+        let slowest = match video.smaller {
+            Smaller::Simulated(khz) => khz,
+            Smaller::Middle(screen) => return self.clock_of_larger(screen),
+        };
         let (columns, rows) = SIMULATED_SIDES;
         let is_simulated = self.frame.width < columns && self.frame.height < rows;
-        let simulated = is_simulated.then_some(video.min_khz);
         let mode = VideoTiming::mode(self.frame).filter(|mode| video.modes.contains(mode));
-        let khz = mode.map(|mode| mode.pixel_khz as u64).or(simulated);
+        let khz = mode.map(|mode| mode.pixel_khz as u64).or(is_simulated.then_some(slowest));
         khz.and_then(|khz| self.board.clock(khz)).ok_or_else(|| {
             let mut sizes: Vec<String> = video.modes.iter().map(|mode| mode.size()).collect();
             sizes.dedup();
@@ -98,6 +111,13 @@ impl Design {
                 "the size of a video mode ({sizes}), or below {columns}x{rows} for simulation"
             ))
         })
+    }
+
+    /// Returns the pixel clock of a screen in whose middle the frames are.
+    fn clock_of_larger(&self, screen: VideoTiming) -> Result<MadeClock, DesignError> {
+        let fits = self.frame.width <= screen.line.active && self.frame.height <= screen.frame.active;
+        let made = fits.then(|| self.board.clock(screen.pixel_khz as u64)).flatten();
+        made.ok_or_else(|| self.frame_error(format!("at most {}, the size of the screen", screen.size())))
     }
 
     fn frame_error(&self, expected: String) -> DesignError {
@@ -153,6 +173,17 @@ mod tests {
     fn a_frame_is_no_larger_than_its_buffer() {
         let error = design(200.0, 2048, 1032).check_board().unwrap_err().to_string();
         assert_eq!(error, "frame 2048x1032: must be at most 2097152 pixels, which a buffer holds");
+    }
+
+    #[test]
+    fn a_board_with_a_larger_screen_shows_frames_in_its_middle() {
+        let mut design = Design::from_json(include_str!("../../../../designs/ulx3s.json")).unwrap();
+        assert_eq!(design.screen(), VideoTiming::VGA_60);
+        assert_eq!(design.clocks().unwrap().screen.unwrap().khz, 25_000);
+        assert_eq!(design.board.clock(5 * 25_000).unwrap().khz, 125_000);
+        design.frame.width = 642;
+        let error = design.clocks().unwrap_err().to_string();
+        assert_eq!(error, "frame 642x80: must be at most 640x480, the size of the screen");
     }
 
     #[test]

@@ -9,11 +9,13 @@ pub mod grey_join;
 pub mod greys;
 pub mod pattern;
 pub mod sync_codes;
+pub mod tmds;
 pub mod video_in;
 pub mod video_out;
 
 pub use grey_join::GreyJoin;
 pub use sync_codes::SyncCodes;
+pub use tmds::Tmds;
 pub use video_in::VideoIn;
 pub use video_out::VideoOut;
 

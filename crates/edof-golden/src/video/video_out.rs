@@ -59,7 +59,8 @@ impl VideoOut {
         let dropped = blanked && matches!(front, Some((_, false)));
         let in_sync = line.in_sync(column);
         if column == line.active + line.front {
-            self.vs = frame.in_sync(row);
+            // Porches are counted in lines that begin with their sync, as in the standards.
+            self.vs = frame.in_sync(row + 1);
         }
         let data = shown.map_or(BLACK_PIXEL, |(pixel, _)| pixel);
         self.pins = [self.pins[1], Pins { hs: in_sync, vs: self.vs, de: active, data }];

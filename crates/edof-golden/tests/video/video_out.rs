@@ -58,8 +58,8 @@ fn show(pictures: &mut Pictures, shown: &[Vec<u16>]) -> VideoOut {
         if let Some(pixel) = pixel {
             assert_eq!((front.map(|(word, _)| word), is_taken), (Some(*pixel), true), "cycle {cycle}");
         }
-        // The sync begins with that of the line after the front porch.
-        let since_vs = at.checked_sub((6 + 1) * LINE + 7 + 3);
+        // The sync begins with that of the line after the front porch: lines begin with their syncs, and the porch's first one is right of the last row.
+        let since_vs = at.checked_sub(6 * LINE + 7 + 3);
         let expected = Pins {
             hs: (10..14).contains(&column),
             vs: since_vs.is_some_and(|since| since < 2 * LINE),

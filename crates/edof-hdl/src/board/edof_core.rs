@@ -178,6 +178,20 @@ impl<const W: usize, const S: usize> EdofCore<W, S> {
         identity: &Identity,
         tables: &Tables,
     ) -> Result<Self, DesignError> {
+        Self::on_screen(design, sets, identity, tables, VideoTiming::of_frame(design.frame))
+    }
+
+    /// [`EdofCore::new`] with the timing of a screen that has the size of the frames.
+    ///
+    /// # Errors
+    /// As [`EdofCore::new`].
+    pub fn on_screen(
+        design: &Design,
+        sets: [&FixedNetwork; 2],
+        identity: &Identity,
+        tables: &Tables,
+        screen: VideoTiming,
+    ) -> Result<Self, DesignError> {
         design.check_board()?;
         let memory = &design.board.memory;
         let timing = VideoTiming::of_frame(design.frame);
@@ -206,7 +220,7 @@ impl<const W: usize, const S: usize> EdofCore<W, S> {
             picture_writer: WriteAgent::new(&picture),
             picture_reader: ReadAgent::new(&picture),
             output_fifo: PixelFifo::new(crossing),
-            video_out: VideoOut::new(timing),
+            video_out: VideoOut::new(screen),
             registers: BoardRegisters::new(design, identity),
             checks: std::array::from_fn(|_| FrameCheck::new(16, design.frame.width * design.frame.height)),
             snapshot_register: Constant::new((SNAPSHOT_REGISTERS as u64).into()),

@@ -93,7 +93,7 @@ impl Kc705Core {
         tables: &Tables,
         pace: &Pace,
     ) -> Result<Self, DesignError> {
-        let (input, output) = design.video()?;
+        let [output, input] = design.video_chips()?;
         let core = EdofCore::new(design, sets, identity, tables)?;
         let mode = VideoTiming::on_the_cable(design.frame);
         let setup =
@@ -101,7 +101,7 @@ impl Kc705Core {
         Ok(Self::from_parts(Kc705CoreParts {
             core,
             uart: UartBus::new(pace.cycles_per_bit, pace.uart_time_out),
-            chips: [setup(&output.setup, false), setup(&input.setup, true)],
+            chips: [setup(output, false), setup(input, true)],
         }))
     }
 }

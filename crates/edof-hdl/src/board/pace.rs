@@ -1,8 +1,9 @@
-//! Speeds of the slow interfaces, so that a simulation can shorten them.
+//! Speeds of the slow interfaces and the size of the screen, so that a simulation can shorten them.
 
 use edof_device::board::{Board, UART_TIME_OUT_MS};
+use edof_device::video::VideoTiming;
 
-/// How fast what is not video goes, in cycles of the core's clock.
+/// How fast what is not video goes, in cycles of the core's clock; and a screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pace {
     /// A bit on the host's line.
@@ -13,6 +14,8 @@ pub struct Pace {
     pub i2c_quarter: u32,
     /// A millisecond, as the set-up of the video chips counts them.
     pub millisecond: u32,
+    /// A screen in place of the design's ([`edof_device::Design::screen`]), on a board that shows frames in the middle of one.
+    pub screen: Option<VideoTiming>,
 }
 
 impl Pace {
@@ -24,6 +27,7 @@ impl Pace {
             uart_time_out: UART_TIME_OUT_MS * board.core_khz,
             i2c_quarter: board.core_khz / 400,
             millisecond: board.core_khz,
+            screen: None,
         }
     }
 }

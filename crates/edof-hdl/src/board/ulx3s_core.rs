@@ -1,4 +1,4 @@
-//! The core with what the ULX3S has around it: a serial line, and block RAM for its frames.
+//! The core with what the ULX3S has around it: a serial line, block RAM for its frames, and DVI.
 
 use super::axi_ram::AxiRam;
 use super::edof_core::EdofCore;
@@ -10,6 +10,7 @@ use super::uart_bus::UartBus;
 use crate::crossing::ResetSync;
 use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiLiteMaster, AxiReadMaster, AxiWriteMaster};
+use crate::video::dvi::Dvi;
 use edof_device::board::ULX3S;
 use edof_device::design::{Design, DesignError};
 use edof_network::FixedNetwork;
@@ -19,9 +20,8 @@ use rust_hdl::prelude::*;
 pub(crate) const W: usize = ULX3S.memory.word_bits;
 pub(crate) const S: usize = W / 8;
 
-/// The core with what the ULX3S has around it: a serial line to the host, and block RAM for its frames. Video neither comes in nor goes out: the
-/// host writes raw frames and reads pictures. The picture's reader runs all the same, at the screen's clock, so that what it reads is checked.
-/// Pins and clocks are `ulx3s_top`'s.
+/// The core with what the ULX3S has around it: a serial line to the host, block RAM for its frames, and DVI. No video comes in: the host writes raw
+/// frames. Pictures are in the middle of a black screen. Pins and clocks are `ulx3s_top`'s.
 #[derive(Circuit)]
 #[circuit(default(ResetSync, PowerOn))]
 pub struct Ulx3sCore {
@@ -29,8 +29,10 @@ pub struct Ulx3sCore {
     pub clock: Signal<In, Clock>,
     /// Clock of the calculator: the design's.
     pub calculator_clock: Signal<In, Clock>,
-    /// Clock of the pictures' reader.
+    /// Clock of the screen's pixels.
     pub screen_clock: Signal<In, Clock>,
+    /// A clock of the same source, five times as fast: two bits of each pair a cycle.
+    pub bit_clock: Signal<In, Clock>,
     /// Begins anew, of no clock.
     pub reset: Signal<In, Bit>,
     /// The calculator's clock is lost, in `clock`.
@@ -39,11 +41,15 @@ pub struct Ulx3sCore {
     pub uart_receive: Signal<In, Bit>,
     /// To the host.
     pub uart_transmit: Signal<Out, Bit>,
+    /// Pairs of the DVI cable: blue, green, red, clock.
+    pub dvi: Signal<Out, Bits<4>>,
     /// LEDs: 0 the memory is ready; 3 pictures leave the memory.
     pub leds: Signal<Out, Bits<4>>,
     core: EdofCore<W, S>,
     ram: AxiRam<W, S>,
     uart: UartBus,
+    screen: Dvi,
+    reset_of_screen: ResetSync,
     reset_of_core: ResetSync,
     power_on: PowerOn,
 }
@@ -61,10 +67,13 @@ impl Ulx3sCore {
         pace: &Pace,
     ) -> Result<Self, DesignError> {
         let memory = &design.board.memory;
+        let screen = pace.screen.unwrap_or_else(|| design.screen());
+        let picture = screen.around(design.frame);
         Ok(Self::from_parts(Ulx3sCoreParts {
-            core: EdofCore::new(design, sets, identity, tables)?,
+            core: EdofCore::on_screen(design, sets, identity, tables, picture)?,
             ram: AxiRam::new(memory.words()),
             uart: UartBus::new(pace.cycles_per_bit, pace.uart_time_out),
+            screen: Dvi::new(screen),
         }))
     }
 }
@@ -96,6 +105,17 @@ impl Logic for Ulx3sCore {
         self.uart_transmit.next = self.uart.transmit.val();
         self.core.uart_broken.next = self.uart.broken.val();
         AxiLiteMaster::join(&mut self.uart.bus, &mut self.core.host);
+
+        self.reset_of_screen.clock.next = self.screen_clock.val();
+        self.reset_of_screen.reset.next = self.reset.val();
+        self.screen.clock.next = self.screen_clock.val();
+        self.screen.bit_clock.next = self.bit_clock.val();
+        self.screen.reset.next = self.reset_of_screen.domain_reset.val();
+        self.screen.hs.next = self.core.screen_hs.val();
+        self.screen.vs.next = self.core.screen_vs.val();
+        self.screen.de.next = self.core.screen_de.val();
+        self.screen.data.next = self.core.screen_data.val();
+        self.dvi.next = self.screen.pins.val();
 
         // No video comes in, and no chip is there to be set up.
         self.core.input_clock.next = self.clock.val();

@@ -39,6 +39,10 @@ const CROSSINGS: &[(&str, &[(&str, &str)])] = &[
             ("word_o", "to_clock_i"),
         ],
     ),
+    (
+        "edof_serialiser",
+        &[("word_i", "word_clock_i"), ("first_o", "bit_clock_i"), ("second_o", "bit_clock_i")],
+    ),
 ];
 
 /// Clock ports by port of a leaf, if it may connect clock domains.

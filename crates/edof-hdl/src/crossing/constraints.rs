@@ -76,6 +76,9 @@ fn of_leaf(leaf: &str, path: &str, period: f64) -> Vec<String> {
             synchronised("ack_toggle_q_reg", "to_sender"),
             limit("held_q_reg[*]", "word_q_reg[*]"),
         ],
+        "edof_serialiser" => {
+            vec![synchronised("toggle_q_reg", "to_bits"), limit("word_q_reg[*]", "bits_q_reg[*]")]
+        }
         _ => vec![],
     };
     // Those that carry words are cleared from either side (`edof_clear`).

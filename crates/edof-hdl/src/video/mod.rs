@@ -12,15 +12,22 @@
 //! | [`display`] | words to the codes on the wire |
 //! | [`table_reader`] | its tables, read back |
 //! | [`video_out`] | the timing of a screen |
+//! | [`sink_rgb`] | red, green and blue of 4:2:2, as a screen makes them |
+//! | [`border`] | where the screen is that the picture lies on |
+//! | [`tmds_encoder`] | the code of a colour's channel on a DVI cable |
+//! | [`dvi`] | the three above, to the pins of a DVI cable |
 //! | [`stream_core`] | from raw pixels to codes, the calculator within |
 //!
 //! A pair of pixels is what 4:2:2 hangs together: two luma words and the Cb and Cr that both share. All streams are valid/ready; a
 //! transfer happens in a cycle in which both are high, and valid never falls without one. Pipelines do not stall: they take in only
 //! while the [`queue`] at their end has room. Reset is held for 48 cycles or more, in which they run dry.
 //!
-//! Leaves, each in `rtl/` and here as its model: [`memory`], [`queue`], [`scale`], [`table`].
+//! Leaves, each in `rtl/` and here as its model: [`ddr_out`], [`memory`], [`queue`], [`scale`], [`table`].
 
+pub mod border;
+pub mod ddr_out;
 pub mod display;
+pub mod dvi;
 pub mod grey_join;
 pub mod lines;
 pub mod memory;
@@ -29,9 +36,11 @@ pub mod patch_pairs;
 pub mod queue;
 pub mod raster_reorder;
 pub mod scale;
+pub mod sink_rgb;
 pub mod stream_core;
 pub mod table;
 pub mod table_reader;
+pub mod tmds_encoder;
 pub mod video_in;
 pub mod video_out;
 pub mod window_reorder;

@@ -99,8 +99,9 @@ impl VideoOut {
             height: number(frame.active),
             hs_on: number(line.active + line.front),
             hs_off: number(line.active + line.front + line.sync),
-            vs_on: number(frame.active + frame.front),
-            vs_off: number(frame.active + frame.front + frame.sync),
+            // The sync of a row here is the first of the next one where lines begin with their sync, as in the standards.
+            vs_on: number(frame.active + frame.front - 1),
+            vs_off: number(frame.active + frame.front + frame.sync - 1),
         })
     }
 }

@@ -76,7 +76,7 @@ impl Args {
 }
 
 impl Args {
-    /// Rejects what only a board with video has.
+    /// Rejects what only a board with a video input has.
     fn check_video(&self, board: &Board) -> Result<(), Error> {
         let given = [("--frame", self.frame.is_some()), ("--picture", self.picture.is_some())];
         let name = board.name;
@@ -86,7 +86,7 @@ impl Args {
                 "board {name} has no video input; add --rtl, which simulates its circuit"
             ))),
             Some((option, _)) => Err(Error::message(format!(
-                "{option}: board {name} has no video; leave {option} out, and use 'edof board picture put' and 'get'"
+                "{option}: board {name} has no video input; leave {option} out, and use 'edof board picture put' and 'get'"
             ))),
             None => Ok(()),
         }
