@@ -1,9 +1,10 @@
 """The page of `edof play` in Chromium: check.py EDOF [FOLDER]. Screens are kept in FOLDER.
 
 Every slider changes what it should, figures are those of the commands that the page names, keyboard and screen reader reach everything, two widths, light and dark,
-and a wrong token.
+a short training, and a wrong token.
 """
 
+import base64
 import json
 import re
 import subprocess
@@ -34,6 +35,8 @@ SLIDERS = {
     "layers": ["db-network"],
     "stride": ["db-network", "db-clear"],
 }
+# Steps of a training: as few as let a person cancel it.
+STEPS_OF_TRAINING = 60
 # A pixel step of a radius moves too little to be seen in two digits.
 STEPS = {"ring-1-inner": 40, "ring-1-outer": -40, "ring-1-phase": 60, "psi": 8, "focus": 80, "layers": -1, "stride": -1, "cubic": 10, "mixed": 10, "electrons": 12, "read-noise": 30}
 
@@ -76,8 +79,7 @@ def sliders(browser):
         is_moved = changes == MASK
         check(bool(warned) == is_moved, f"{name}: the warning says '{warned}'")
         check(not browser.value("document.getElementById('error').textContent"), f"{name}: an error")
-        browser.value(f"(({{ element }}) => {{ element.value = '{value}'; element.dispatchEvent(new Event('input')); }})({{ element: document.getElementById('{name}') }})")
-        settled(browser)
+        set_slider(browser, name, value)
         back = browser.value(SHOWN)
         if name not in ("electrons", "read-noise"):
             different = [key for key in [*PICTURES, *PLOTS] if back[key] != before[key]]
@@ -89,6 +91,10 @@ def by_commands(browser, place):
     lines = browser.value("document.getElementById('commands').textContent").splitlines()
     camera = browser.value("decodeURIComponent(document.getElementById('camera-file').href.split(',').slice(1).join(','))")
     (place / "page.json").write_text(camera)
+    own = browser.value("document.getElementById('network-place').hidden ? '' : document.getElementById('network-file').download")
+    if own:
+        bytes_of = "fetch(document.getElementById('network-file').href).then((r) => r.arrayBuffer()).then((b) => btoa(Array.from(new Uint8Array(b), (c) => String.fromCharCode(c)).join('')))"
+        (place / own).write_bytes(base64.b64decode(browser.value(bytes_of)))
     said = {}
     for line in lines:
         words = line.split("#")[0].split()
@@ -107,6 +113,51 @@ def advice(browser):
     shown = browser.value("document.getElementById('advice').textContent")
     for line in done.stdout.splitlines()[:-2]:
         check(line.strip() in shown, f"the advice has no '{line.strip()}'")
+
+
+def set_slider(browser, name, value):
+    browser.value(f"((one) => {{ one.value = '{value}'; one.dispatchEvent(new Event('input')); }})(document.getElementById('{name}'))")
+    settled(browser)
+
+
+def training(browser, place):
+    """A lens that no network was trained for: a training by the keyboard, cancelled, then to its end; its network is looked through, and its figures are those of the commands."""
+    said = lambda: browser.value("document.getElementById('training').textContent")
+    button = lambda: browser.value("document.getElementById('train')?.textContent ?? ''")
+    network = lambda: browser.value("document.getElementById('network').value")
+    check(not button(), "a training is offered for a lens that has a network")
+    # Its blur is small, so that small photographs are large enough.
+    browser.value("((one) => { one.value = 'clear-mid'; one.dispatchEvent(new Event('change')); })(document.getElementById('camera'))")
+    settled(browser)
+    set_slider(browser, "stops", 3)
+    before = browser.value(SHOWN)
+    check(button() == "Train a network for this lens", f"the button says '{button()}'")
+    browser.value("document.getElementById('train').focus()")
+    browser.key("Enter")
+    browser.until("document.getElementById('train').textContent === 'Cancel' && document.getElementById('training-bar').max > 0")
+    browser.key("Enter")
+    browser.until("document.getElementById('training').textContent.includes('was cancelled')")
+    check(network() == "", "a cancelled training gave a network")
+    browser.key("Enter")
+    browser.until("document.getElementById('network').value !== ''")
+    settled(browser)
+    check(network() == "page-2", f"looks through '{network()}'")
+    check(not browser.value("document.getElementById('warning').textContent"), "the warning stays")
+    check("The same by: edof train --from" in said(), f"it says '{said()}'")
+    check(browser.value(SHOWN)["db-network"] != before["db-network"], "the network changed nothing")
+    by_commands(browser, place)
+    # The lens is moved while a network for it is trained.
+    set_slider(browser, "stops", 2)
+    check(bool(browser.value("document.getElementById('warning').textContent")), "no warning for the lens that was moved again")
+    browser.value("document.getElementById('train').click()")
+    browser.until("document.getElementById('train').textContent === 'Cancel'")
+    set_slider(browser, "stops", 1)
+    browser.until("document.getElementById('train').textContent === 'Back to that lens'")
+    check(network() == "page-2", f"looks through '{network()}' behind another lens")
+    browser.value("document.getElementById('train').click()")
+    settled(browser)
+    found = (network(), browser.value("document.getElementById('stops').value"), browser.value("document.getElementById('warning').textContent"))
+    check(found == ("page-3", "2", ""), f"back at {found}")
 
 
 def by_keyboard(browser):
@@ -181,7 +232,13 @@ def refused(browser, address):
 
 
 def main():
-    program = subprocess.Popen([EDOF, "play"], stdout=subprocess.PIPE, text=True)
+    photos = Path(tempfile.mkdtemp())
+    for name in ["chart", "leaves"]:
+        capture = f"capture {name} --size 256x192 --camera clear --psi 0 --no-measure --out raw.png --sharp {name}1.png"
+        subprocess.run([EDOF, *capture.split()], cwd=photos, capture_output=True, check=True)
+    (photos / "raw.png").unlink()
+    options = ["--images", photos, "--photos", "all", "--steps", str(STEPS_OF_TRAINING)]
+    program = subprocess.Popen([EDOF, "play", *options], stdout=subprocess.PIPE, text=True)
     browser = Browser()
     try:
         address = program.stdout.readline().split()[0]
@@ -197,16 +254,17 @@ def main():
             by_pointer(browser)
             sliders(browser)
             # Another lens: the commands of the page still say its figures.
-            browser.value("(({ element }) => { element.value = '1'; element.dispatchEvent(new Event('input')); })({ element: document.getElementById('stops') })")
-            settled(browser)
+            set_slider(browser, "stops", 1)
             by_commands(browser, Path(place))
+            set_slider(browser, "stops", 0)
+            training(browser, Path(place))
         check(not errors(browser), f"errors of the page: {errors(browser)}")
         refused(browser, address)
     finally:
         browser.close()
         program.terminate()
         program.wait()
-    print(f"edof play: {len(SLIDERS)} sliders, commands, keyboard, two widths, light and dark, tokens: all as they should be")
+    print(f"edof play: {len(SLIDERS)} sliders, commands, keyboard, two widths, light and dark, a training, tokens: all as they should be")
 
 
 main()
