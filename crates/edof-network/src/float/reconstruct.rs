@@ -432,6 +432,28 @@ mod tests {
     }
 
     #[test]
+    fn every_patch_is_where_its_window_was_however_many_pass_together() {
+        // Ten rows of 33 patches, and four times as many: no whole number of passes.
+        let codes =
+            Array2::from_shape_fn((80, 264), |(r, c)| (r * 7919 + c * 104_729) as u16 ^ (r as u16) << 8);
+        let raw = RawFrame::from_values(codes, 16, CfaPhase::Rggb).unwrap();
+        for stride in [8, 4] {
+            let method = FloatReconstructor::new(
+                nearest_site_network(12),
+                Stride::new(stride).unwrap(),
+                Overlap::Hann,
+                Output::Rgb,
+            );
+            let out = method.unwrap().reconstruct(&raw).unwrap().frame;
+            for ((plane, row, column), v) in out.planes.indexed_iter() {
+                let site = (row & !1 | usize::from(plane == 2), column & !1 | usize::from(plane > 0));
+                let expected = f32::from(raw.pixels()[site]) / 65536.0;
+                assert!((v - expected).abs() < 1e-5, "{stride} {plane} {row} {column}: {v} for {expected}");
+            }
+        }
+    }
+
+    #[test]
     fn every_phase_window_and_stride_gives_a_flat_colour_back() {
         for phase in CfaPhase::ALL {
             for (window, stride) in [(8, 8), (12, 4), (16, 2)] {
