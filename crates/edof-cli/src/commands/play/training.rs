@@ -167,7 +167,7 @@ fn learn(site: &Site, lesson: Lesson) -> Result<Status, Error> {
     let mut trainer = Trainer::from_network(recipe, &dataset, usual_threads(), &from)?;
     let since = Instant::now();
     trainer.run(|_, progress| step(Part::Steps, progress.step, progress.steps, since))?;
-    if trainer.state.step < training.steps {
+    if training.flow().is_break() {
         return Err(Error::Interrupted);
     }
     let [low, high] = gains.map(number);

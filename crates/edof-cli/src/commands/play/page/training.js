@@ -87,9 +87,14 @@ export function training(place, steps, { current, ready, look }) {
   // A page that was loaded again follows the training that runs.
   server.training().then(({ is }) => is === "running" && follow());
   return {
-    /** Whether the network that is looked through was trained for another lens. */
+    /** Whether the network that is looked through was trained for another lens; one that was trained for this lens meanwhile is taken. */
     offer(isForeign) {
       offered = isForeign;
+      if (made && lensOf(made.state) === lensOf(current())) {
+        const { network } = made;
+        made = null;
+        if (isForeign) return look(current(), network);
+      }
       if (!running) show();
     },
   };
