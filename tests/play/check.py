@@ -35,8 +35,6 @@ SLIDERS = {
     "layers": ["db-network"],
     "stride": ["db-network", "db-clear"],
 }
-# Steps of a training: as few as let a person cancel it.
-STEPS_OF_TRAINING = 60
 # A pixel step of a radius moves too little to be seen in two digits.
 STEPS = {"ring-1-inner": 40, "ring-1-outer": -40, "ring-1-phase": 60, "psi": 8, "focus": 80, "layers": -1, "stride": -1, "cubic": 10, "mixed": 10, "electrons": 12, "read-noise": 30}
 
@@ -120,44 +118,70 @@ def set_slider(browser, name, value):
     settled(browser)
 
 
-def training(browser, place):
-    """A lens that no network was trained for: a training by the keyboard, cancelled, then to its end; its network is looked through, and its figures are those of the commands."""
-    said = lambda: browser.value("document.getElementById('training').textContent")
-    button = lambda: browser.value("document.getElementById('train')?.textContent ?? ''")
-    network = lambda: browser.value("document.getElementById('network').value")
-    check(not button(), "a training is offered for a lens that has a network")
-    # Its blur is small, so that small photographs are large enough.
+def opened(browser, *options):
+    """A program with its page, which is there; and its address."""
+    program = subprocess.Popen([EDOF, "play", *options], stdout=subprocess.PIPE, text=True)
+    address = program.stdout.readline().split()[0]
+    browser.open(address)
+    settled(browser)
+    return program, address
+
+
+NETWORK = "document.getElementById('network').value"
+BUTTON = "(document.getElementById('train')?.textContent ?? '')"
+WARNING = "document.getElementById('warning').textContent"
+
+
+def another_lens(browser):
+    """A lens that no network was trained for; its blur is small, so that small photographs are large enough."""
+    check(not browser.value(BUTTON), "a training is offered for a lens that has a network")
     browser.value("((one) => { one.value = 'clear-mid'; one.dispatchEvent(new Event('change')); })(document.getElementById('camera'))")
-    settled(browser)
     set_slider(browser, "stops", 3)
+    check(browser.value(BUTTON) == "Train a network for this lens", f"the button says '{browser.value(BUTTON)}'")
+
+
+def cancelled(browser, photos):
+    """A training that would take days, begun and cancelled by the keyboard."""
+    program, _ = opened(browser, "--images", photos, "--photos", "all", "--steps", "1000000")
+    try:
+        another_lens(browser)
+        browser.value("document.getElementById('train').focus()")
+        browser.key("Enter")
+        browser.until(f"{BUTTON} === 'Cancel' && document.getElementById('training-bar').max === 1000000")
+        browser.key("Enter")
+        browser.until("document.getElementById('training').textContent.includes('was cancelled')")
+        check(browser.value(NETWORK) == "", "a cancelled training gave a network")
+        check(not errors(browser), f"errors of the page: {errors(browser)}")
+        # Of another address than the rest.
+        browser.events.clear()
+    finally:
+        program.terminate()
+        program.wait()
+
+
+def training(browser, place):
+    """A training to its end: its network is looked through, and its figures are those of the commands."""
+    another_lens(browser)
     before = browser.value(SHOWN)
-    check(button() == "Train a network for this lens", f"the button says '{button()}'")
-    browser.value("document.getElementById('train').focus()")
-    browser.key("Enter")
-    browser.until("document.getElementById('train').textContent === 'Cancel' && document.getElementById('training-bar').max > 0")
-    browser.key("Enter")
-    browser.until("document.getElementById('training').textContent.includes('was cancelled')")
-    check(network() == "", "a cancelled training gave a network")
-    browser.key("Enter")
-    browser.until("document.getElementById('network').value !== ''")
+    browser.value("document.getElementById('train').click()")
+    browser.until(f"{NETWORK} !== ''")
     settled(browser)
-    check(network() == "page-2", f"looks through '{network()}'")
-    check(not browser.value("document.getElementById('warning').textContent"), "the warning stays")
-    check("The same by: edof train --from" in said(), f"it says '{said()}'")
+    check(browser.value(NETWORK) == "page-1", f"looks through '{browser.value(NETWORK)}'")
+    check(not browser.value(WARNING), "the warning stays")
+    said = browser.value("document.getElementById('training').textContent")
+    check("The same by: edof train --from" in said, f"it says '{said}'")
     check(browser.value(SHOWN)["db-network"] != before["db-network"], "the network changed nothing")
     by_commands(browser, place)
     # The lens is moved while a network for it is trained.
     set_slider(browser, "stops", 2)
-    check(bool(browser.value("document.getElementById('warning').textContent")), "no warning for the lens that was moved again")
-    browser.value("document.getElementById('train').click()")
-    browser.until("document.getElementById('train').textContent === 'Cancel'")
-    set_slider(browser, "stops", 1)
-    browser.until("document.getElementById('train').textContent === 'Back to that lens'")
-    check(network() == "page-2", f"looks through '{network()}' behind another lens")
+    check(bool(browser.value(WARNING)), "no warning for the lens that was moved again")
+    browser.value("((one) => { document.getElementById('train').click(); one.value = 1; one.dispatchEvent(new Event('input')); })(document.getElementById('stops'))")
+    browser.until(f"{BUTTON} === 'Back to that lens'")
+    check(browser.value(NETWORK) == "page-1", f"looks through '{browser.value(NETWORK)}' behind another lens")
     browser.value("document.getElementById('train').click()")
     settled(browser)
-    found = (network(), browser.value("document.getElementById('stops').value"), browser.value("document.getElementById('warning').textContent"))
-    check(found == ("page-3", "2", ""), f"back at {found}")
+    found = (browser.value(NETWORK), browser.value("document.getElementById('stops').value"), browser.value(WARNING))
+    check(found == ("page-2", "2", ""), f"back at {found}")
 
 
 def by_keyboard(browser):
@@ -237,14 +261,12 @@ def main():
         capture = f"capture {name} --size 256x192 --camera clear --psi 0 --no-measure --out raw.png --sharp {name}1.png"
         subprocess.run([EDOF, *capture.split()], cwd=photos, capture_output=True, check=True)
     (photos / "raw.png").unlink()
-    options = ["--images", photos, "--photos", "all", "--steps", str(STEPS_OF_TRAINING)]
-    program = subprocess.Popen([EDOF, "play", *options], stdout=subprocess.PIPE, text=True)
     browser = Browser()
+    program = None
     try:
-        address = program.stdout.readline().split()[0]
         browser.screen(1400, 900, "light")
-        browser.open(address)
-        settled(browser)
+        cancelled(browser, photos)
+        program, address = opened(browser, "--images", photos, "--photos", "all", "--steps", "20")
         check(not browser.value("document.getElementById('error').textContent"), "an error at the start")
         with tempfile.TemporaryDirectory() as place:
             by_commands(browser, Path(place))
@@ -262,8 +284,9 @@ def main():
         refused(browser, address)
     finally:
         browser.close()
-        program.terminate()
-        program.wait()
+        if program:
+            program.terminate()
+            program.wait()
     print(f"edof play: {len(SLIDERS)} sliders, commands, keyboard, two widths, light and dark, a training, tokens: all as they should be")
 
 
