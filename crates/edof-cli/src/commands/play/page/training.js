@@ -26,21 +26,26 @@ export function training(place, steps, { current, ready, look }) {
     // A screen reader says a line again that is set again.
     if (text.textContent !== line) text.textContent = line;
   }
+  function fill(...wanted) {
+    for (const one of [...place.children]) if (!wanted.includes(one)) one.remove();
+    // What stays is not moved: a button that is moved loses the keyboard.
+    wanted.forEach((one, index) => place.children[index] === one || place.insertBefore(one, place.children[index] ?? null));
+  }
   function show() {
     if (running) {
       button.textContent = "Cancel";
-      place.replaceChildren(text, bar, left, button);
+      fill(text, bar, left, button);
     } else if (made && lensOf(made.state) !== lensOf(current())) {
       say(`${made.network} is ready, for the lens as it was when its training began.`);
       button.textContent = "Back to that lens";
-      place.replaceChildren(text, button);
+      fill(text, button);
     } else if (offered) {
       say(`${failure}A short training (${steps} steps) makes one on this computer.`);
       button.textContent = "Train a network for this lens";
-      place.replaceChildren(text, button);
+      fill(text, button);
     } else {
       say(success);
-      place.replaceChildren(...(success ? [text] : []));
+      fill(...(success ? [text] : []));
     }
   }
   async function follow() {
