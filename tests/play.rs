@@ -115,14 +115,14 @@ fn only_the_page_of_the_printed_address_is_answered() {
         first.head
     );
     let html = String::from_utf8(first.body).unwrap();
-    for file in ["style.css", "main.js", "controls.js", "server.js", "viewer.js", "plots.js"] {
+    for file in ["style.css", "main.js", "controls.js", "server.js", "viewer.js", "plots.js", "training.js"] {
         assert_eq!(page.get(file).status, 200, "{file}");
     }
     assert!(!html.contains("://"), "something from elsewhere");
     let other = Page::open(&place, "");
     assert_ne!(other.token, page.token);
     let port = page.address.port();
-    let refused: [(u16, &str, &str, String); 9] = [
+    let refused: [(u16, &str, &str, String); 11] = [
         (403, "GET", "/", String::new()),
         (403, "GET", &format!("/{}/", other.token), String::new()),
         (403, "GET", &root[..32], String::new()),
@@ -131,7 +131,9 @@ fn only_the_page_of_the_printed_address_is_answered() {
         (403, "POST", &format!("{root}setup"), "Origin: http://edof.example\r\n".into()),
         (403, "POST", &format!("{root}setup"), "Origin: null\r\n".into()),
         (405, "POST", &format!("{root}setup"), format!("Origin: http://127.0.0.1:{port}\r\n")),
+        (405, "GET", &format!("{root}train"), String::new()),
         (404, "GET", &format!("{root}../../etc/passwd"), String::new()),
+        (400, "GET", &format!("{root}weights/../../etc/passwd"), String::new()),
     ];
     for (status, method, path, headers) in refused {
         let answer = page.ask(method, path, &headers, b"");
@@ -325,6 +327,97 @@ fn a_photograph_is_taken_from_a_file_and_from_the_page() {
         (small.status, error(&small)),
         (400, "photograph: 40x40, both sides must be at least 64 pixels".into())
     );
+}
+
+/// Waits until how the training goes is what is wanted.
+fn when(page: &Page, wanted: impl Fn(&Value) -> bool) -> Value {
+    let end = std::time::Instant::now() + std::time::Duration::from_secs(600);
+    loop {
+        let status = page.get("training").json();
+        if wanted(&status) {
+            return status;
+        }
+        assert!(std::time::Instant::now() < end, "still {status}");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+}
+
+fn end(page: &Page) -> Value {
+    when(page, |status| status["is"] != "running")
+}
+
+/// A lens that no network was trained for: a clear one that is closed, so that the blur is small and small photographs are large enough.
+fn foreign(page: &Page) -> Value {
+    let presets = page.get("setup").json()["presets"].clone();
+    let clear = presets.as_array().unwrap().iter().find(|camera| camera["name"] == "clear-mid").unwrap();
+    let mut state = state(page);
+    state["camera"] = clear.clone();
+    state["stops"] = json!(3.0);
+    state["psi"] = json!(1.0);
+    state
+}
+
+#[test]
+fn a_training_beside_the_pictures_makes_the_network_of_the_command() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    place.photo("photos/a1.png", 256, 192);
+    place.photo("photos/a2.png", 192, 256);
+    let page = Page::open(&place, "--images photos --photos all --steps 8");
+    assert_eq!(page.get("training").json(), json!({ "is": "none" }));
+    let state = foreign(&page);
+    let (before, _) = page.post("pictures", &state).pictures();
+    assert_ne!(before["lens"]["network"]["differs"], json!([]));
+    assert_eq!(page.post("train", &state).json()["is"], "running");
+    assert_eq!(error(&page.post("train", &state)), "a training is running; wait for its end, or cancel it");
+    assert_eq!(page.post("pictures", &state).status, 200);
+    let done = end(&page);
+    assert_eq!((&done["is"], &done["network"]), (&json!("done"), &json!("page-1")), "{done}");
+    // It is the one for this lens and noise from now on.
+    let (text, _) = page.post("pictures", &state).pictures();
+    let own = &text["lens"]["network"];
+    assert_eq!((&own["name"], &own["weights"]), (&json!("page-1"), &json!("page-1.safetensors")));
+    assert_eq!((&own["differs"], &own["is_noise_known"]), (&json!([]), &json!(true)));
+    let listed = page.get("setup").json();
+    assert_eq!(listed["networks"].as_array().unwrap().last().unwrap()["name"], "page-1");
+    // Its file does what the page shows, and the command makes the same weights.
+    place.write("page-1.safetensors", page.get("weights/page-1.safetensors").body);
+    let mut lens = text["lens"].clone();
+    lens["network"]["name"] = lens["network"]["weights"].clone();
+    let db = by_commands(&place, &lens, 3, "--stride 8");
+    assert!((number(&text, "network") - db).abs() < 2e-3, "{} {db}", number(&text, "network"));
+    assert_ne!(number(&text, "network"), number(&before, "network"));
+    let saved = edof_network::weight_file::load_network(&place.path("page-1.safetensors")).unwrap();
+    let command = done["command"].as_str().unwrap();
+    assert_eq!(saved.origin.provenance.command, command);
+    let again = command.strip_prefix("edof ").unwrap().replace("page-1", "again");
+    place.edof(&format!("{again} --images photos --photos all --no-cache")).done();
+    let again = edof_network::weight_file::load_network(&place.path("again.safetensors")).unwrap();
+    let weights = edof_network::float::parameters::flatten;
+    assert!(weights(&saved) == weights(&again), "other weights than those of {command}");
+}
+
+#[test]
+fn a_training_is_cancelled_and_one_that_fails_says_why() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("photos")).unwrap();
+    let page = Page::open(&place, "--images photos --photos all --steps 1000000");
+    let state = foreign(&page);
+    page.post("train", &state).json();
+    let failed = end(&page);
+    assert_eq!(failed["is"], "failed");
+    assert!(failed["error"].as_str().unwrap().contains("photos"), "{failed}");
+    place.photo("photos/a1.png", 256, 192);
+    page.post("train", &state).json();
+    let steps = when(&page, |status| status["part"] == "steps" || status["is"] != "running");
+    assert_eq!(steps["is"], "running", "{steps}");
+    page.post("cancel", &json!({}));
+    assert_eq!(end(&page), json!({ "is": "cancelled" }));
+    let networks = page.get("setup").json()["networks"].to_string();
+    assert!(!networks.contains("page-"), "{networks}");
+    let mut wrong = state;
+    wrong["electrons"] = json!(0.0);
+    assert_eq!(page.post("train", &wrong).status, 400);
 }
 
 #[test]

@@ -54,7 +54,9 @@ impl Task {
         let mut reports = vec![];
         let told = trainer.run(|_, progress| {
             let (step, loss, best_db) = (progress.step, progress.loss, progress.best.db);
-            reports.push(Report { step, loss, best_db });
+            if progress.validation.is_some() || step.is_multiple_of(100) {
+                reports.push(Report { step, loss, best_db });
+            }
             job::flow(stop)
         });
         told.or_raise()?;

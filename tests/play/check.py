@@ -1,9 +1,10 @@
 """The page of `edof play` in Chromium: check.py EDOF [FOLDER]. Screens are kept in FOLDER.
 
 Every slider changes what it should, figures are those of the commands that the page names, keyboard and screen reader reach everything, two widths, light and dark,
-and a wrong token.
+a short training, and a wrong token.
 """
 
+import base64
 import json
 import re
 import subprocess
@@ -76,8 +77,7 @@ def sliders(browser):
         is_moved = changes == MASK
         check(bool(warned) == is_moved, f"{name}: the warning says '{warned}'")
         check(not browser.value("document.getElementById('error').textContent"), f"{name}: an error")
-        browser.value(f"(({{ element }}) => {{ element.value = '{value}'; element.dispatchEvent(new Event('input')); }})({{ element: document.getElementById('{name}') }})")
-        settled(browser)
+        set_slider(browser, name, value)
         back = browser.value(SHOWN)
         if name not in ("electrons", "read-noise"):
             different = [key for key in [*PICTURES, *PLOTS] if back[key] != before[key]]
@@ -89,6 +89,10 @@ def by_commands(browser, place):
     lines = browser.value("document.getElementById('commands').textContent").splitlines()
     camera = browser.value("decodeURIComponent(document.getElementById('camera-file').href.split(',').slice(1).join(','))")
     (place / "page.json").write_text(camera)
+    own = browser.value("document.getElementById('network-place').hidden ? '' : document.getElementById('network-file').download")
+    if own:
+        bytes_of = "fetch(document.getElementById('network-file').href).then((r) => r.arrayBuffer()).then((b) => btoa(Array.from(new Uint8Array(b), (c) => String.fromCharCode(c)).join('')))"
+        (place / own).write_bytes(base64.b64decode(browser.value(bytes_of)))
     said = {}
     for line in lines:
         words = line.split("#")[0].split()
@@ -107,6 +111,77 @@ def advice(browser):
     shown = browser.value("document.getElementById('advice').textContent")
     for line in done.stdout.splitlines()[:-2]:
         check(line.strip() in shown, f"the advice has no '{line.strip()}'")
+
+
+def set_slider(browser, name, value):
+    browser.value(f"((one) => {{ one.value = '{value}'; one.dispatchEvent(new Event('input')); }})(document.getElementById('{name}'))")
+    settled(browser)
+
+
+def opened(browser, *options):
+    """A program with its page, which is there; and its address."""
+    program = subprocess.Popen([EDOF, "play", *options], stdout=subprocess.PIPE, text=True)
+    address = program.stdout.readline().split()[0]
+    browser.open(address)
+    settled(browser)
+    return program, address
+
+
+NETWORK = "document.getElementById('network').value"
+BUTTON = "(document.getElementById('train')?.textContent ?? '')"
+WARNING = "document.getElementById('warning').textContent"
+
+
+def another_lens(browser):
+    """A lens that no network was trained for; its blur is small, so that small photographs are large enough."""
+    check(not browser.value(BUTTON), "a training is offered for a lens that has a network")
+    browser.value("((one) => { one.value = 'clear-mid'; one.dispatchEvent(new Event('change')); })(document.getElementById('camera'))")
+    set_slider(browser, "stops", 3)
+    check(browser.value(BUTTON) == "Train a network for this lens", f"the button says '{browser.value(BUTTON)}'")
+
+
+def cancelled(browser, photos):
+    """A training that would take days, begun and cancelled by the keyboard."""
+    program, _ = opened(browser, "--images", photos, "--photos", "all", "--steps", "1000000")
+    try:
+        another_lens(browser)
+        browser.value("document.getElementById('train').focus()")
+        browser.key("Enter")
+        browser.until(f"{BUTTON} === 'Cancel' && document.getElementById('training-bar').max === 1000000")
+        browser.key("Enter")
+        browser.until("document.getElementById('training').textContent.includes('was cancelled')")
+        check(browser.value(NETWORK) == "", "a cancelled training gave a network")
+        check(not errors(browser), f"errors of the page: {errors(browser)}")
+        # Of another address than the rest.
+        browser.events.clear()
+    finally:
+        program.terminate()
+        program.wait()
+
+
+def training(browser, place):
+    """A training to its end: its network is looked through, and its figures are those of the commands."""
+    another_lens(browser)
+    before = browser.value(SHOWN)
+    browser.value("document.getElementById('train').click()")
+    browser.until(f"{NETWORK} !== ''")
+    settled(browser)
+    check(browser.value(NETWORK) == "page-1", f"looks through '{browser.value(NETWORK)}'")
+    check(not browser.value(WARNING), "the warning stays")
+    said = browser.value("document.getElementById('training').textContent")
+    check("The same by: edof train --from" in said, f"it says '{said}'")
+    check(browser.value(SHOWN)["db-network"] != before["db-network"], "the network changed nothing")
+    by_commands(browser, place)
+    # The lens is moved while a network for it is trained.
+    set_slider(browser, "stops", 2)
+    check(bool(browser.value(WARNING)), "no warning for the lens that was moved again")
+    browser.value("((one) => { document.getElementById('train').click(); one.value = 1; one.dispatchEvent(new Event('input')); })(document.getElementById('stops'))")
+    browser.until(f"{BUTTON} === 'Back to that lens'")
+    check(browser.value(NETWORK) == "page-1", f"looks through '{browser.value(NETWORK)}' behind another lens")
+    browser.value("document.getElementById('train').click()")
+    settled(browser)
+    found = (browser.value(NETWORK), browser.value("document.getElementById('stops').value"), browser.value(WARNING))
+    check(found == ("page-2", "2", ""), f"back at {found}")
 
 
 def by_keyboard(browser):
@@ -181,13 +256,17 @@ def refused(browser, address):
 
 
 def main():
-    program = subprocess.Popen([EDOF, "play"], stdout=subprocess.PIPE, text=True)
+    photos = Path(tempfile.mkdtemp())
+    for name in ["chart", "leaves"]:
+        capture = f"capture {name} --size 256x192 --camera clear --psi 0 --no-measure --out raw.png --sharp {name}1.png"
+        subprocess.run([EDOF, *capture.split()], cwd=photos, capture_output=True, check=True)
+    (photos / "raw.png").unlink()
     browser = Browser()
+    program = None
     try:
-        address = program.stdout.readline().split()[0]
         browser.screen(1400, 900, "light")
-        browser.open(address)
-        settled(browser)
+        cancelled(browser, photos)
+        program, address = opened(browser, "--images", photos, "--photos", "all", "--steps", "20")
         check(not browser.value("document.getElementById('error').textContent"), "an error at the start")
         with tempfile.TemporaryDirectory() as place:
             by_commands(browser, Path(place))
@@ -197,16 +276,18 @@ def main():
             by_pointer(browser)
             sliders(browser)
             # Another lens: the commands of the page still say its figures.
-            browser.value("(({ element }) => { element.value = '1'; element.dispatchEvent(new Event('input')); })({ element: document.getElementById('stops') })")
-            settled(browser)
+            set_slider(browser, "stops", 1)
             by_commands(browser, Path(place))
+            set_slider(browser, "stops", 0)
+            training(browser, Path(place))
         check(not errors(browser), f"errors of the page: {errors(browser)}")
         refused(browser, address)
     finally:
         browser.close()
-        program.terminate()
-        program.wait()
-    print(f"edof play: {len(SLIDERS)} sliders, commands, keyboard, two widths, light and dark, tokens: all as they should be")
+        if program:
+            program.terminate()
+            program.wait()
+    print(f"edof play: {len(SLIDERS)} sliders, commands, keyboard, two widths, light and dark, a training, tokens: all as they should be")
 
 
 main()

@@ -116,6 +116,20 @@ impl Tone {
         }
     }
 
+    /// What a picture of this light looks like, to within 10⁻⁶, in its own place: [`Tone::encode`] of each value, brought to 0…1 first. For screens.
+    pub fn darken(self, light: &mut ColourFrame) {
+        let table = &CODES[..];
+        light.planes.mapv_inplace(|value| {
+            let value = value.clamp(0.0, 1.0);
+            if self.is_light() {
+                return value;
+            }
+            let place = value * (CODES_STEPS as f32);
+            let at = (place as usize).min(CODES_STEPS - 1);
+            table[at] + (place - at as f32) * (table[at + 1] - table[at])
+        });
+    }
+
     /// The word that a camera gives which encodes its sensor's words; full scale is 2^16.
     #[must_use]
     pub fn encode_word(self, word: u16) -> u16 {
@@ -160,6 +174,11 @@ const STEPS: usize = 4096;
 /// sRGB's curve backwards, with a straight line between neighbours: within 5·10⁻⁸ of it.
 static LIGHT: LazyLock<Vec<f32>> =
     LazyLock::new(|| (0..=STEPS).map(|i| srgb_decode(i as f64 / STEPS as f64) as f32).collect());
+/// Steps of [`CODES`]: sRGB's curve is steep near black.
+const CODES_STEPS: usize = 65_536;
+/// sRGB's curve, with a straight line between neighbours.
+static CODES: LazyLock<Vec<f32>> =
+    LazyLock::new(|| (0..=CODES_STEPS).map(|i| srgb_encode(i as f64 / CODES_STEPS as f64) as f32).collect());
 /// The encoded word of each word of a raw frame, full scale 2^16.
 static ENCODED: LazyLock<Vec<u16>> = LazyLock::new(|| words(srgb_encode));
 /// The word of each encoded word.
@@ -214,6 +233,20 @@ mod tests {
                 let value = code as f32 / max as f32;
                 let back = Tone::Srgb.encode(Tone::Srgb.decode(value)) * max as f32;
                 assert_eq!(back.round() as i32, code, "{code} of {max}");
+            }
+        }
+    }
+
+    #[test]
+    fn light_on_a_screen_is_encoded_to_within_a_millionth() {
+        let values: Vec<f32> =
+            (-1000..1_001_000).map(|i| i as f32 * 1e-6).chain([f32::INFINITY, -9.0]).collect();
+        for tone in Tone::ALL {
+            let mut frame =
+                ColourFrame { planes: Array3::from_shape_vec((1, 1, values.len()), values.clone()).unwrap() };
+            tone.darken(&mut frame);
+            for (code, light) in frame.planes.iter().zip(&values) {
+                assert!((code - tone.encode(light.clamp(0.0, 1.0))).abs() < 1e-6, "{tone} {light}: {code}");
             }
         }
     }

@@ -132,9 +132,8 @@ fn mirrored_light(raw: &RawFrame) -> Array2<f32> {
 fn filter(padded: &Array2<f32>, row: usize, column: usize, taps: &Taps) -> f32 {
     let mut sum = 0.0;
     for (r, line) in taps.iter().enumerate() {
-        for (c, tap) in line.iter().enumerate() {
-            sum += tap * padded[(row + r, column + c)];
-        }
+        let values = &padded.row(row + r).to_slice().unwrap_or_default()[column..][..line.len()];
+        line.iter().zip(values).for_each(|(tap, value)| sum += tap * value);
     }
     sum
 }

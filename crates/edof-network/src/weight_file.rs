@@ -101,6 +101,14 @@ struct WeightFractions {
 /// # Errors
 /// [`WeightFileError::Network`] if it does not fit its form, [`WeightFileError::Write`] if the file cannot be written.
 pub fn save_network(path: &Path, network: &Network) -> Result<(), WeightFileError> {
+    Ok(atomic::write(path, &network_bytes(path, network)?)?)
+}
+
+/// Returns what [`save_network`] writes; `path` names it in errors.
+///
+/// # Errors
+/// As [`save_network`], but `Write`.
+pub fn network_bytes(path: &Path, network: &Network) -> Result<Vec<u8>, WeightFileError> {
     network.check().map_err(|source| WeightFileError::Network { path: path.to_owned(), source })?;
     let mut tensors = vec![
         Tensor::matrix("analysis", &network.analysis),
@@ -109,7 +117,7 @@ pub fn save_network(path: &Path, network: &Network) -> Result<(), WeightFileErro
     tensors.extend(network.linear_path.iter().map(|r| Tensor::matrix("linear_path", r)));
     tensors.extend(numbered("recurrent", &network.recurrent, Tensor::matrix));
     tensors.extend(numbered("threshold", &network.thresholds, Tensor::vector));
-    save(path, tensors, network.form, network.origin.clone(), None)
+    serialized(path, tensors, network.form, network.origin.clone(), None)
 }
 
 /// Loads a float network.
@@ -182,7 +190,7 @@ pub fn save_fixed(path: &Path, network: &FixedNetwork) -> Result<(), WeightFileE
         float_sha256: network.float_hash.clone(),
         quantized: network.quantized.clone(),
     };
-    save(path, tensors, network.form, network.origin.clone(), Some(fixed))
+    Ok(atomic::write(path, &serialized(path, tensors, network.form, network.origin.clone(), Some(fixed))?)?)
 }
 
 /// Loads a fixed network.
@@ -315,13 +323,13 @@ fn hash<'a>(text: &str, tensors: impl Iterator<Item = (&'a str, Dtype, &'a [usiz
     hexadecimal(digest.finalize().as_slice())
 }
 
-fn save(
+fn serialized(
     path: &Path,
     tensors: Vec<Tensor>,
     form: Form,
     origin: Origin,
     fixed: Option<FixedMetadata>,
-) -> Result<(), WeightFileError> {
+) -> Result<Vec<u8>, WeightFileError> {
     let container = |reason: String| WeightFileError::Container { path: path.to_owned(), reason };
     let metadata = Metadata { layout: LAYOUT, form, origin, fixed, sha256: NO_HASH.to_owned() };
     let blank = serde_json::to_string(&metadata).map_err(|e| container(e.to_string()))?;
@@ -332,9 +340,8 @@ fn save(
         .map(|t| Ok((t.name.as_str(), TensorView::new(t.dtype, t.shape.clone(), &t.bytes)?)))
         .collect::<Result<Vec<_>, safetensors::SafeTensorError>>()
         .map_err(|e| container(e.to_string()))?;
-    let bytes = safetensors::serialize(views, Some(HashMap::from([(METADATA_KEY.to_owned(), text)])))
-        .map_err(|e| container(e.to_string()))?;
-    Ok(atomic::write(path, &bytes)?)
+    safetensors::serialize(views, Some(HashMap::from([(METADATA_KEY.to_owned(), text)])))
+        .map_err(|e| container(e.to_string()))
 }
 
 /// The metadata's text with another hash. It is the last field, so its digits' last occurrence is meant.

@@ -167,11 +167,12 @@ impl Speed {
         )
     }
 
-    /// Title, averages and claims for each depth and noise level.
-    fn tables(&self) -> Vec<(String, [Table; 2])> {
+    /// Title, averages and what there is of claims, for each depth and noise level.
+    fn tables(&self) -> Vec<(String, Vec<Table>)> {
         let of = |c: &Claims| {
             let own = self.points.iter().filter(|p| c.hold(p));
-            (c.title(), [averages(own), claims_table(&c.claims)])
+            let claims = (!c.claims.is_empty()).then(|| claims_table(&c.claims));
+            (c.title(), std::iter::once(averages(own)).chain(claims).collect())
         };
         self.claims.iter().map(of).collect()
     }

@@ -67,7 +67,7 @@ pub struct Progress {
     pub step: u64,
     /// Steps planned.
     pub steps: u64,
-    /// Mean loss since the last report.
+    /// Mean loss since the last step of a hundred or validation.
     pub loss: f64,
     /// Newest validation, if this step had one.
     pub validation: Option<Validation>,
@@ -240,8 +240,7 @@ impl<'a> Trainer<'a> {
         self.dataset.psis().len()
     }
 
-    /// Trains until the schedule ends, patience is spent, or `tell` ends it: the state can then be resumed. `tell` is called after every step of a hundred and
-    /// every validation.
+    /// Trains until the schedule ends, patience is spent, or `tell` ends it: the state can then be resumed. `tell` is called after every step.
     ///
     /// # Errors
     /// [`RecipeError::Diverged`].
@@ -261,13 +260,13 @@ impl<'a> Trainer<'a> {
             let due = step.is_multiple_of(self.recipe.validate_every) || step == self.recipe.steps;
             let validation = due.then(|| self.validate());
             validation.iter().for_each(|v| self.keep_best(v));
+            let loss = sum / f64::from(count);
             if due || step.is_multiple_of(100) {
-                let loss = sum / f64::from(count);
-                let (steps, best) = (self.recipe.steps, self.state.best);
                 (sum, count) = (0.0, 0);
-                if tell(self, &Progress { step, steps, loss, validation, best }).is_break() {
-                    break;
-                }
+            }
+            let (steps, best) = (self.recipe.steps, self.state.best);
+            if tell(self, &Progress { step, steps, loss, validation, best }).is_break() {
+                break;
             }
         }
         Ok(())

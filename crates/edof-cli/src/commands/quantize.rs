@@ -174,7 +174,8 @@ fn quantized(args: &Args, origin: &Origin, windows: u64, ui: &Ui) -> Quantized {
 
 fn pictures(args: &Args, ui: &Ui) -> Result<Vec<(String, ColourFrame)>, Error> {
     if let Some(folder) = &args.images {
-        let photographs = photographs(std::slice::from_ref(folder), args.photos.as_ref(), ui)?;
+        let folder = std::slice::from_ref(folder);
+        let photographs = photographs(folder, args.photos.as_ref(), &|line| ui.note(line))?;
         return Ok(photographs.into_iter().map(|p| (p.stem, p.frame)).collect());
     }
     Ok(capture::drawn()?)

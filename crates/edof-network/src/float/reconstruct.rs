@@ -15,6 +15,9 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::time::Instant;
 
+/// Windows that pass through the network together, about: many, since each product prepares its matrix anew; few, so that a core's cache holds their codes.
+const TOGETHER: usize = 256;
+
 /// What the reconstructed frame has been through.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Output {
@@ -99,28 +102,35 @@ impl FloatReconstructor {
     ) -> Vec<Vec<f32>> {
         let (height, width) = exposures[0].dim();
         let (rows, columns) = self.geometry.patches(height, width);
-        (0..rows)
-            .into_par_iter()
-            .map_init(
-                || Pass::new(self.network.form, columns).within(self.budget),
-                |pass, row| {
-                    output(pass.forward(&self.weights, &self.windows(exposures, row, columns), columns))
-                },
-            )
-            .collect()
+        let together = (TOGETHER / columns).max(1);
+        let firsts: Vec<usize> = (0..rows).step_by(together).collect();
+        let passed = firsts.into_par_iter().map_init(
+            || Pass::new(self.network.form, together * columns).within(self.budget),
+            |pass, first| {
+                let here = first..rows.min(first + together);
+                let windows = here.len() * columns;
+                let inputs: Vec<f32> = here.flat_map(|row| self.windows(exposures, row, columns)).collect();
+                let patches = pass.forward(&self.weights, &inputs, windows);
+                patches.chunks_exact(columns * RGB_OUTPUTS).map(&output).collect::<Vec<_>>()
+            },
+        );
+        passed.flatten_iter().collect()
     }
 
     /// Weighted sum of all overlapping patches; RGB.
     fn rgb(&self, exposures: &[ArrayView2<'_, u16>]) -> ColourFrame {
         let (height, width) = exposures[0].dim();
         let mut planes = Array3::zeros((3, height, width));
-        for (patch_row, line) in self.patches(exposures, <[f32]>::to_vec).iter().enumerate() {
-            for (patch_column, patch) in line.chunks_exact(RGB_OUTPUTS).enumerate() {
-                for (plane, block) in planes.outer_iter_mut().zip(patch.chunks_exact(PATCH_PIXELS)) {
-                    self.add(plane, block, (patch_row, patch_column), 1);
+        let lines = self.patches(exposures, <[f32]>::to_vec);
+        let colours: Vec<_> = planes.outer_iter_mut().enumerate().collect();
+        colours.into_par_iter().for_each(|(colour, mut plane)| {
+            for (patch_row, line) in lines.iter().enumerate() {
+                for (patch_column, patch) in line.chunks_exact(RGB_OUTPUTS).enumerate() {
+                    let block = &patch[colour * PATCH_PIXELS..][..PATCH_PIXELS];
+                    self.add(plane.view_mut(), block, (patch_row, patch_column), 1);
                 }
             }
-        }
+        });
         ColourFrame { planes }
     }
 
@@ -161,11 +171,17 @@ impl FloatReconstructor {
         let top = self.geometry.patch_start(patch.0);
         let left = self.geometry.patch_start(patch.1) / every as isize;
         let columns = PATCH / every;
-        for (i, &value) in block.iter().enumerate() {
-            let (r, c) = (i / columns, i % columns);
-            let (row, column) = (top + r as isize, left + c as isize);
-            if (0..height as isize).contains(&row) && (0..width as isize).contains(&column) {
-                plane[(row as usize, column as usize)] += value * weights[(r, c * every)];
+        for (r, values) in block.chunks_exact(columns).enumerate() {
+            let row = top + r as isize;
+            if !(0..height as isize).contains(&row) {
+                continue;
+            }
+            let mut line = plane.row_mut(row as usize);
+            for (c, value) in values.iter().enumerate() {
+                let column = left + c as isize;
+                if (0..width as isize).contains(&column) {
+                    line[column as usize] += value * weights[(r, c * every)];
+                }
             }
         }
     }
@@ -413,6 +429,28 @@ mod tests {
         let codes =
             Array2::from_shape_fn((20, 28), |(r, c)| [60000, 30000, 10000][phase.channel(r, c).plane()]);
         RawFrame::from_values(codes, 16, phase).unwrap()
+    }
+
+    #[test]
+    fn every_patch_is_where_its_window_was_however_many_pass_together() {
+        // Ten rows of 33 patches, and four times as many: no whole number of passes.
+        let codes =
+            Array2::from_shape_fn((80, 264), |(r, c)| (r * 7919 + c * 104_729) as u16 ^ (r as u16) << 8);
+        let raw = RawFrame::from_values(codes, 16, CfaPhase::Rggb).unwrap();
+        for stride in [8, 4] {
+            let method = FloatReconstructor::new(
+                nearest_site_network(12),
+                Stride::new(stride).unwrap(),
+                Overlap::Hann,
+                Output::Rgb,
+            );
+            let out = method.unwrap().reconstruct(&raw).unwrap().frame;
+            for ((plane, row, column), v) in out.planes.indexed_iter() {
+                let site = (row & !1 | usize::from(plane == 2), column & !1 | usize::from(plane > 0));
+                let expected = f32::from(raw.pixels()[site]) / 65536.0;
+                assert!((v - expected).abs() < 1e-5, "{stride} {plane} {row} {column}: {v} for {expected}");
+            }
+        }
     }
 
     #[test]

@@ -20,7 +20,7 @@ mod recent;
 
 pub use recent::Recent;
 
-use crate::metrics::{BORDER, MetricError, psnr, shown};
+use crate::metrics::{BORDER, MetricError, psnr};
 use edof_core::camera::Camera;
 use edof_core::{ColourFrame, RawFrame, ReconstructError, Reconstructor, Tone};
 use edof_optics::capture::{Approximation, CaptureError};
@@ -52,7 +52,7 @@ impl Subject {
         let plan = Blur::new(height, width);
         let spectra = [0, 1, 2].map(|plane| plan.spectrum(light.planes.index_axis(Axis(0), plane)));
         let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-        Self { shown: shown(&light, Tone::Srgb), light, plan, spectra, number }
+        Self { shown: shown(&light), light, plan, spectra, number }
     }
 
     /// The light.
@@ -66,7 +66,7 @@ impl Subject {
     /// # Errors
     /// [`MetricError`] for pictures of another size, or too small to compare.
     pub fn psnr_db(&self, light: &ColourFrame) -> Result<f64, MetricError> {
-        psnr(&self.shown, &shown(light, Tone::Srgb), BORDER)
+        psnr(&self.shown, &shown(light), BORDER)
     }
 
     /// What falls on the sensor behind PSFs of red, green and blue.
@@ -77,6 +77,13 @@ impl Subject {
         frame.planes.outer_iter_mut().zip(&planes).for_each(|(mut to, from)| to.assign(from));
         frame
     }
+}
+
+/// A picture of light as it is looked at.
+fn shown(light: &ColourFrame) -> ColourFrame {
+    let mut shown = light.clone();
+    Tone::Srgb.darken(&mut shown);
+    shown
 }
 
 /// A lens and the depth of what is before it.
@@ -158,8 +165,7 @@ impl<K: PartialEq + Clone + Send> Live<K> {
     /// # Errors
     /// [`NoPsf`].
     pub fn psfs(&mut self, view: &View) -> Result<Arc<[Psf; 3]>, NoPsf> {
-        let settings = Approximation::default().psf;
-        self.psfs.get(view.clone(), |view| channel_psfs(&view.camera, view.psi, &settings))
+        self.psfs.get(view.clone(), psfs_of)
     }
 
     /// The raw frame that [`edof_optics::capture::capture`] gives of the picture at one depth, to the last bit.
@@ -167,14 +173,36 @@ impl<K: PartialEq + Clone + Send> Live<K> {
     /// # Errors
     /// [`CaptureError`].
     pub fn raw(&mut self, shot: &Shot) -> Result<Arc<RawFrame>, CaptureError> {
-        if let Some(raw) = self.raws.find(shot) {
-            return Ok(raw);
+        self.take(&[shot])?;
+        let missing = || unreachable!("a frame that was just taken is kept");
+        Ok(self.raws.find(shot).unwrap_or_else(missing))
+    }
+
+    /// Takes the frames that are not kept, side by side.
+    fn take(&mut self, shots: &[&Shot]) -> Result<(), CaptureError> {
+        let mut missing: Vec<&Shot> = vec![];
+        for shot in shots {
+            if self.raws.find(shot).is_none() && !missing.contains(shot) {
+                missing.push(shot);
+            }
         }
-        let Shot { subject, view, sensor } = shot;
-        let psfs = self.psfs(view)?;
-        let blurred = |_: &_| Ok::<_, CaptureError>(subject.blurred(&psfs));
-        let light = self.lights.get((subject.number, view.clone()), blurred)?;
-        Ok(self.raws.keep(shot.clone(), expose(&light, sensor)?))
+        let mut lit = |shot: &&Shot| {
+            let key = (shot.subject.number, shot.view.clone());
+            (self.lights.find(&key), self.psfs.find(&shot.view))
+        };
+        let kept: Vec<_> = missing.iter().map(&mut lit).collect();
+        let taken = missing.par_iter().zip(kept).map(|(shot, (light, psfs))| Taken::new(shot, light, psfs));
+        for (shot, taken) in missing.iter().zip(taken.collect::<Result<Vec<_>, _>>()?) {
+            let Shot { subject, view, .. } = shot;
+            if let Some(psfs) = taken.psfs {
+                self.psfs.keep(view.clone(), psfs);
+            }
+            if let Some(light) = taken.light {
+                self.lights.keep((subject.number, view.clone()), light);
+            }
+            self.raws.keep((*shot).clone(), taken.raw);
+        }
+        Ok(())
     }
 
     /// What methods make of shots; those that are not kept are computed side by side.
@@ -184,6 +212,7 @@ impl<K: PartialEq + Clone + Send> Live<K> {
     pub fn developed(&mut self, tasks: &[Task<'_, K>]) -> Result<Vec<Arc<Developed>>, LiveError> {
         let kept = tasks.iter().map(|(shot, name, _)| self.pictures.find(&((*shot).clone(), name.clone())));
         let kept: Vec<_> = kept.collect();
+        self.take(&tasks.iter().map(|(shot, ..)| *shot).collect::<Vec<_>>())?;
         let raws = tasks.iter().map(|(shot, ..)| self.raw(shot)).collect::<Result<Vec<_>, _>>()?;
         let missing = |at: &usize| kept[*at].is_none();
         let made = (0..tasks.len()).filter(missing).map(|at| (tasks[at].0, tasks[at].2, &raws[at]));
@@ -196,6 +225,34 @@ impl<K: PartialEq + Clone + Send> Live<K> {
         });
         Ok(all.flatten().collect())
     }
+}
+
+/// A frame, and what had to be computed for it.
+struct Taken {
+    psfs: Option<[Psf; 3]>,
+    light: Option<ColourFrame>,
+    raw: RawFrame,
+}
+
+impl Taken {
+    /// Takes a frame of light that is kept, or behind PSFs that are.
+    fn new(
+        Shot { subject, view, sensor }: &Shot,
+        light: Option<Arc<ColourFrame>>,
+        psfs: Option<Arc<[Psf; 3]>>,
+    ) -> Result<Self, CaptureError> {
+        if let Some(light) = light {
+            return Ok(Self { psfs: None, light: None, raw: expose(&light, sensor)? });
+        }
+        let made = if psfs.is_some() { None } else { Some(psfs_of(view)?) };
+        let light = psfs.as_deref().or(made.as_ref()).map(|psfs| subject.blurred(psfs));
+        let light = light.unwrap_or_else(|| unreachable!("PSFs are kept or made"));
+        Ok(Self { psfs: made, raw: expose(&light, sensor)?, light: Some(light) })
+    }
+}
+
+fn psfs_of(view: &View) -> Result<[Psf; 3], NoPsf> {
+    channel_psfs(&view.camera, view.psi, &Approximation::default().psf)
 }
 
 fn develop(shot: &Shot, method: &dyn Reconstructor, raw: &RawFrame) -> Result<Developed, LiveError> {

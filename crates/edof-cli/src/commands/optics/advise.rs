@@ -110,16 +110,19 @@ fn written(advice: &Advice, open: &Camera, args: &Args) -> Result<Camera, Error>
     Ok(camera)
 }
 
-/// The command that trains a network for a camera and a light, from half to twice its gain.
+/// The command that trains a network for a camera and a light.
 pub fn train(camera: &Path, light: Light, stops: f64) -> String {
-    let gain = SensorNoise::default().full_well_e / light.electrons * stops.exp2();
-    let digits = |gain: f64| number((gain * 1e3).round() / 1e3);
+    let [low, high] = gains(light, stops).map(number);
     format!(
-        "edof train --form edof-t4w12 --camera {} --tone srgb --gain {}:{} --out network.safetensors",
-        camera.display(),
-        digits(0.5 * gain),
-        digits(2.0 * gain)
+        "edof train --form edof-t4w12 --camera {} --tone srgb --gain {low}:{high} --out network.safetensors",
+        camera.display()
     )
+}
+
+/// Gains that a network for a light is trained for: from half to twice that of the light, of those that a training takes, in thousandths.
+pub fn gains(light: Light, stops: f64) -> [f64; 2] {
+    let gain = SensorNoise::default().full_well_e / light.electrons * stops.exp2();
+    [0.5, 2.0].map(|factor| (factor * gain * 1e3).round() / 1e3).map(|gain: f64| gain.clamp(1.0, 4096.0))
 }
 
 fn shown(advice: &Advice, choice: &Choice, open: &Camera) -> Shown {

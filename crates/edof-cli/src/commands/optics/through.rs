@@ -104,7 +104,7 @@ pub(super) fn design(args: &Design, name: &str, ui: &Ui) -> Result<(), Error> {
     check_threads(joint.threads).map_err(said::recipe)?;
     let mut state = joint.begin(&start, &network).map_err(|error| words(error, &[]))?;
     let folders: Vec<PathBuf> = args.images.iter().cloned().collect();
-    let mut chosen = photographs(&folders, options.photos.as_ref(), ui)?;
+    let mut chosen = photographs(&folders, options.photos.as_ref(), &|line| ui.note(line))?;
     leave_out(&mut chosen, &options.leave_out)?;
     let photos: Vec<Input> = chosen.iter().map(|p| Input::photograph(&p.name(), &p.frame)).collect();
     photos.iter().for_each(|photo| ui.used(photo.clone()));

@@ -3,6 +3,7 @@
 use super::networks::{Choice, Networks};
 use super::pictures::{self, Behind, DepthDb, Method};
 use super::state::{AdviceState, ClearLens, LensState, MAX_STOPS, State, view};
+use super::training::{Lesson, Training};
 use crate::commands::optics::advise;
 use crate::error::Error;
 use edof::job::photograph::{self, Tones};
@@ -10,6 +11,7 @@ use edof_core::Tone;
 use edof_core::camera::{Camera, PRESETS, Sign, centroid};
 use edof_core::words::alternatives;
 use edof_io::photo;
+use edof_network::Network;
 use edof_network::form;
 use edof_network::network::{Form, Origin};
 use edof_optics::Statistics;
@@ -49,6 +51,7 @@ pub struct Engine {
     live: Live<Method>,
     networks: Networks,
     contrasts: Recent<Camera, Contrast>,
+    lessons: u32,
 }
 
 impl Engine {
@@ -72,6 +75,7 @@ impl Engine {
             live: Live::default(),
             networks: Networks::new(),
             contrasts: Recent::new(16),
+            lessons: 0,
         })
     }
 
@@ -102,7 +106,7 @@ impl Engine {
     ///
     /// # Errors
     /// A network or camera of the program that cannot be read.
-    pub fn setup(&self) -> Result<Value, Error> {
+    pub fn setup(&self, training: &Training) -> Result<Value, Error> {
         let camera = |(name, text): &(&str, &str)| Camera::from_json(text, name);
         let presets = PRESETS.iter().map(camera).collect::<Result<Vec<_>, _>>()?;
         let network = |(name, form, origin): (&str, &Form, &Origin)| {
@@ -110,11 +114,11 @@ impl Engine {
             let (camera, words) = (&origin.camera.name, form::words(form));
             json!({ "name": name, "camera": camera, "form": words, "layers": form.layers, "tones": tones })
         };
-        let networks: Vec<Value> = self.networks.catalogue.networks().map(network).collect();
+        let networks: Vec<Value> = self.networks.all().map(network).collect();
         let scenes: Vec<&str> = self.scenes.iter().map(|(name, _)| *name).collect();
         Ok(json!({
             "camera": self.camera, "presets": presets, "networks": networks, "scenes": scenes, "max_stops": MAX_STOPS,
-            "room": { "width": ROOM.1, "height": ROOM.0 }, "photograph": PHOTOGRAPH,
+            "room": { "width": ROOM.1, "height": ROOM.0 }, "photograph": PHOTOGRAPH, "steps": training.steps,
         }))
     }
 
@@ -127,6 +131,32 @@ impl Engine {
         let (coded, clear) = self.behind(state)?;
         let train = advise::train(Path::new(pictures::CAMERA_FILE), state.light.light()?, state.stops);
         pictures::answer(&mut self.live, &coded, &clear, train, begun)
+    }
+
+    /// What a training for the lens and the light of a state is to learn.
+    ///
+    /// # Errors
+    /// A state that no lens or sensor has.
+    pub fn lesson(&mut self, state: &State) -> Result<Lesson, Error> {
+        let camera = view(&state.camera, state.stops, state.psi)?.camera;
+        let noise = state.light.noise(state.stops)?;
+        let from = self.networks.beginning(state.network.as_deref(), &camera, noise)?;
+        let gains = advise::gains(state.light.light()?, state.stops);
+        self.lessons += 1;
+        Ok(Lesson { name: format!("page-{}", self.lessons), camera, from, gains })
+    }
+
+    /// Takes a network that a training made.
+    pub fn learned(&mut self, network: Network) {
+        self.networks.take(network);
+    }
+
+    /// Returns the weight file of a network that a training made.
+    ///
+    /// # Errors
+    /// No such network.
+    pub fn weights(&self, file: &str) -> Result<Vec<u8>, Error> {
+        self.networks.file(file)
     }
 
     /// dB of a state's depth.

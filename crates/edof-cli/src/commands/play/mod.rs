@@ -5,6 +5,7 @@
 //! | connections, and who may speak | [`server`], [`guard`] |
 //! | what a page asks for | [`state`] |
 //! | pictures and figures of a state | [`engine`], [`pictures`], [`networks`] |
+//! | a short training for the page's lens | [`training`] |
 //! | the page itself | `page/` |
 
 mod engine;
@@ -13,28 +14,32 @@ mod networks;
 mod pictures;
 mod server;
 mod state;
+mod training;
 
 use crate::error::Error;
 use crate::files::Files;
 use crate::lens::{self, Lens};
 use crate::ui::Ui;
+use edof_io::photos::Selection;
 use engine::Engine;
 use guard::Guard;
 use serde_json::json;
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::PathBuf;
+use training::Training;
 
 /// Open a page with sliders for depth, lens, light and network, whose pictures and figures follow at once, until Ctrl-C
 ///
 /// Prints an address of this computer (127.0.0.1) for a browser. The page shows one picture sharp, raw, demosaiced, behind this lens with its network, and
 /// behind the clear lens at its best stop with a network for clear lenses, and plots PSFs, MTF, contrast and dB over depth. Its figures are those of
-/// capture, reconstruct, compare and optics, and the page states these commands. The address contains a random token. Nothing is loaded from elsewhere
-/// or sent elsewhere (docs/play.md).
+/// capture, reconstruct, compare and optics, and the page states these commands. For a lens that no network was trained for it offers a short training.
+/// The address contains a random token. Nothing is loaded from elsewhere or sent elsewhere (docs/play.md).
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   edof play
   edof play photo.jpg --camera mine.json
+  edof play --images photos/ --steps 4000
   edof play --port 8080 --json address.json")]
 pub struct Args {
     /// Photograph to begin with: PNG, JPEG, WebP, TIFF, BMP, PPM or PGM [default: a built-in scene]
@@ -48,13 +53,26 @@ pub struct Args {
     /// Port of 127.0.0.1 [default: a free one]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     port: Option<u16>,
+
+    /// Folder of photographs that trainings learn from; repeatable [default: those of edof train]
+    #[arg(long, value_name = "DIR")]
+    images: Vec<PathBuf>,
+
+    /// Photographs of the folder to use: train, all, or numbers as in 1,2 [default: all except the study's test photographs]
+    #[arg(long)]
+    photos: Option<Selection>,
+
+    /// Steps of a training, of 512 windows each
+    #[arg(long, default_value_t = 2000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    steps: u64,
 }
 
 /// # Errors
 /// A camera or photograph that cannot be used, a port that is taken.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let Lens { camera, files } = lens::resolve(&args.camera, None)?;
-    Files::new(ui).reads_all(files).reads_all(&args.photo).check()?;
+    let files = Files::new(ui).reads_all(files).reads_all(&args.photo);
+    args.images.iter().fold(files, Files::reads_pictures_of).check()?;
     ui.used(camera.input());
     let mut engine = Engine::new(camera)?;
     if let Some(file) = &args.photo {
@@ -71,5 +89,6 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let guard = Guard::new(listener.local_addr()?.port())?;
     ui.say(format!("{}  (Ctrl-C ends it)", guard.address()))?;
     ui.json(&json!({ "address": guard.address() }))?;
-    server::serve(listener, guard, engine)
+    let training = Training::new(args.images, args.photos, args.steps, ui.provenance());
+    server::serve(listener, guard, engine, training)
 }

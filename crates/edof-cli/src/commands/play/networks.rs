@@ -1,4 +1,4 @@
-//! Networks of the page: those that come with the program, for a lens and a noise, with fewer layers and any stride.
+//! Networks of the page: those that come with the program and those that it trained, for a lens and a noise, with fewer layers and any stride.
 
 use crate::error::Error;
 use crate::said;
@@ -6,10 +6,13 @@ use crate::weights::{self, Catalogue};
 use edof_core::camera::Camera;
 use edof_core::overlap::Overlap;
 use edof_core::{Noise, Reconstructor, Tone};
+use edof_network::fit::Fit;
 use edof_network::float::reconstruct::{FloatReconstructor, Output};
-use edof_network::network::Origin;
+use edof_network::network::{Form, Network, Origin};
+use edof_network::weight_file;
 use edof_study::live::Recent;
 use serde::Serialize;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Which network, and how it is run.
@@ -29,12 +32,15 @@ pub struct Ready {
     pub method: FloatReconstructor,
     origin: Origin,
     layers: [usize; 2],
+    weights: String,
 }
 
 /// A network as the page shows it.
 #[derive(Serialize)]
 pub struct Summary {
     name: String,
+    /// What `--weights` of the commands is given: its name, or the file that the page saves.
+    weights: String,
     method: String,
     /// Those that are used, and those that it was trained with.
     layers: [usize; 2],
@@ -46,25 +52,84 @@ pub struct Summary {
     is_noise_known: Option<bool>,
 }
 
-/// Networks that come with the program, and those that were used last.
+/// Networks that come with the program, those that the page trained, and those that were used last.
 pub struct Networks {
-    pub catalogue: Catalogue,
+    catalogue: Catalogue,
+    trained: Vec<Network>,
     ready: Recent<Choice, Ready>,
+}
+
+/// What an own network's file is called.
+pub fn file_name(name: &str) -> String {
+    format!("{name}.safetensors")
 }
 
 impl Networks {
     /// Reads what all were trained for.
     pub fn new() -> Self {
-        Self { catalogue: Catalogue::read(), ready: Recent::new(8) }
+        Self { catalogue: Catalogue::read(), trained: vec![], ready: Recent::new(8) }
     }
 
-    /// Returns the name of the network that suits a lens and a noise; where none was trained for the lens, one for clear or coded lenses, whichever it is.
+    /// What all networks are, those that the page trained last.
+    pub fn all<'a>(&'a self) -> impl Iterator<Item = (&'a str, &'a Form, &'a Origin)> {
+        let own = |own: &'a Network| (own.origin.name.as_str(), &own.form, &own.origin);
+        let program = self.catalogue.networks().map(|(name, form, origin)| {
+            let name: &'a str = name;
+            (name, form, origin)
+        });
+        program.chain(self.trained.iter().map(own))
+    }
+
+    /// Takes a network that the page trained; its name is a new one.
+    pub fn take(&mut self, network: Network) {
+        self.trained.push(network);
+    }
+
+    /// Returns a network that the page trained.
+    fn own(&self, name: &str) -> Option<&Network> {
+        self.trained.iter().find(|own| own.origin.name == name)
+    }
+
+    /// Returns the file of a network that the page trained.
+    ///
+    /// # Errors
+    /// No such network.
+    pub fn file(&self, file: &str) -> Result<Vec<u8>, Error> {
+        let own = self.trained.iter().find(|own| file_name(&own.origin.name) == file);
+        let own = own.ok_or_else(|| Error::message(format!("{file}: no network that this page trained")))?;
+        Ok(weight_file::network_bytes(Path::new(file), own)?)
+    }
+
+    /// Returns the network of the program from which a training for a lens begins: the one that is looked through, if it takes such pictures.
+    ///
+    /// # Errors
+    /// A network that cannot be read.
+    pub fn beginning(&self, chosen: Option<&str>, camera: &Camera, noise: Noise) -> Result<Network, Error> {
+        let is_fit = |name: &&str| {
+            let found = self.catalogue.networks().find(|(known, ..)| known == name);
+            found.is_some_and(|(_, form, origin)| origin.values == Tone::Srgb && form.exposures == 1)
+        };
+        let usual = || self.of_program(camera, noise);
+        Ok(weights::float(chosen.filter(is_fit).unwrap_or_else(usual))?)
+    }
+
+    /// Returns the name of the network that suits a lens and a noise: the page's own one if there is one.
     pub fn name_for(&self, camera: &Camera, noise: Noise) -> String {
+        let suits = |own: &&Network| {
+            let is_noise = own.origin.fit(Tone::Srgb, noise).is_some_and(Fit::is_inside);
+            is_noise && own.origin.camera.same_lens(camera)
+        };
+        let own = self.trained.iter().rev().find(suits);
+        own.map_or_else(|| self.of_program(camera, noise).to_owned(), |own| own.origin.name.clone())
+    }
+
+    /// Of the program's networks; where none was trained for the lens, one for clear or coded lenses, whichever it is.
+    fn of_program(&self, camera: &Camera, noise: Noise) -> &str {
         let tone = Tone::Srgb;
         let usual = if camera.is_clear() { weights::clear_for(tone) } else { weights::default_for(tone) };
         let name = self.catalogue.trained_on(camera, &[tone]).unwrap_or(usual);
         let known = self.catalogue.networks().find(|(known, ..)| *known == name);
-        known.map_or(name, |usual| self.catalogue.for_noise(usual, tone, noise)).to_owned()
+        known.map_or(name, |usual| self.catalogue.for_noise(usual, tone, noise))
     }
 
     /// Returns a network that is ready.
@@ -72,33 +137,41 @@ impl Networks {
     /// # Errors
     /// No such network, layers that it has not, a stride that there is not.
     pub fn ready(&mut self, choice: Choice) -> Result<Arc<Ready>, Error> {
-        self.ready.get(choice, |choice| {
-            if !weights::names().contains(&choice.name.as_str()) {
-                let names = weights::names().join(", ");
+        if let Some(ready) = self.ready.find(&choice) {
+            return Ok(ready);
+        }
+        let (network, weights) = match self.own(&choice.name) {
+            Some(own) => (own.clone(), file_name(&choice.name)),
+            None if weights::names().contains(&choice.name.as_str()) => {
+                (weights::float(&choice.name)?, choice.name.clone())
+            }
+            None => {
+                let names: Vec<&str> = self.all().map(|(name, ..)| name).collect();
+                let names = names.join(", ");
                 return Err(Error::message(format!("network '{}': expected one of {names}", choice.name)));
             }
-            let network = weights::float(&choice.name)?;
-            let (trained, origin) = (network.form.layers, network.origin.clone());
-            let layers = choice.layers.unwrap_or(trained);
-            let stride = said::stride(choice.stride)?;
-            let method =
-                FloatReconstructor::new(network.with_layers(layers)?, stride, Overlap::Hann, Output::Rgb)?;
-            Ok(Ready { method, origin, layers: [layers, trained] })
-        })
+        };
+        let (trained, origin) = (network.form.layers, network.origin.clone());
+        let layers = choice.layers.unwrap_or(trained);
+        let stride = said::stride(choice.stride)?;
+        let method =
+            FloatReconstructor::new(network.with_layers(layers)?, stride, Overlap::Hann, Output::Rgb)?;
+        Ok(self.ready.keep(choice, Ready { method, origin, layers: [layers, trained], weights }))
     }
 }
 
 impl Ready {
     /// Returns the network as the page shows it behind a lens in a noise.
     pub fn summary(&self, camera: &Camera, noise: Noise) -> Summary {
-        let Self { method, origin, layers } = self;
+        let Self { method, origin, layers, weights } = self;
         Summary {
             name: origin.name.clone(),
+            weights: weights.clone(),
             method: method.name().to_owned(),
             layers: *layers,
             camera: origin.camera.name.clone(),
             differs: origin.camera.differences(camera),
-            is_noise_known: origin.fit(Tone::Srgb, noise).map(edof_network::fit::Fit::is_inside),
+            is_noise_known: origin.fit(Tone::Srgb, noise).map(Fit::is_inside),
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::engine::{Engine, advice};
 use super::guard::{Guard, Refusal};
 use super::state::{self, AdviceState, LensState, State};
+use super::training::{Training, train};
 use crate::error::Error;
 use crate::interrupt;
 use http_body_util::{BodyExt, Full, LengthLimitError, Limited};
@@ -29,20 +30,27 @@ const MAX_STATE: usize = 64 << 10;
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// Files of the page: name, type, text.
-const FILES: [(&str, &str, &str); 7] = [
+const FILES: [(&str, &str, &str); 8] = [
     ("", "text/html", include_str!("page/index.html")),
     ("style.css", "text/css", include_str!("page/style.css")),
     ("main.js", "text/javascript", include_str!("page/main.js")),
     ("controls.js", "text/javascript", include_str!("page/controls.js")),
     ("server.js", "text/javascript", include_str!("page/server.js")),
     ("viewer.js", "text/javascript", include_str!("page/viewer.js")),
+    ("training.js", "text/javascript", include_str!("page/training.js")),
     ("plots.js", "text/javascript", include_str!("page/plots.js")),
 ];
 
+/// What is computed, by name, and where networks that the page trained are.
+const ASKED: [&str; 9] =
+    ["setup", "pictures", "depth", "lens", "advice", "photograph", "training", "train", "cancel"];
+const WEIGHTS: &str = "weights/";
+
 /// What all connections share.
-struct Site {
+pub struct Site {
     guard: Guard,
     engine: Mutex<Engine>,
+    pub training: Training,
 }
 
 /// An answer: its type and its bytes.
@@ -52,9 +60,14 @@ type Answer = (&'static str, Vec<u8>);
 ///
 /// # Errors
 /// A system that gives no more sockets.
-pub fn serve(listener: std::net::TcpListener, guard: Guard, engine: Engine) -> Result<(), Error> {
+pub fn serve(
+    listener: std::net::TcpListener,
+    guard: Guard,
+    engine: Engine,
+    training: Training,
+) -> Result<(), Error> {
     listener.set_nonblocking(true)?;
-    let site = Arc::new(Site { guard, engine: Mutex::new(engine) });
+    let site = Arc::new(Site { guard, engine: Mutex::new(engine), training });
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let done = runtime.block_on(accept(listener, site));
     // What is still being computed is of no use.
@@ -106,7 +119,17 @@ async fn answer(site: Arc<Site>, request: Request<Incoming>) -> Result<Answer, R
     match (request.method(), path.as_str(), is_page) {
         (&Method::GET, _, Some((_, kind, text))) => Ok((kind, text.as_bytes().to_vec())),
         (&Method::GET, "setup", _) => {
-            computed(site, vec![], |site, _| json_of(&site.engine().setup()?)).await
+            computed(site, vec![], |site, _| json_of(&site.engine().setup(&site.training)?)).await
+        }
+        (&Method::GET, "training", _) => {
+            computed(site, vec![], |site, _| json_of(&site.training.status())).await
+        }
+        (&Method::GET, path, None) if path.starts_with(WEIGHTS) => {
+            let file = path[WEIGHTS.len()..].to_owned();
+            computed(site, vec![], move |site, _| {
+                Ok(("application/octet-stream", site.engine().weights(&file)?))
+            })
+            .await
         }
         (&Method::POST, "pictures" | "depth" | "lens" | "advice", _) => {
             let body = body(request, MAX_STATE).await?;
@@ -118,7 +141,22 @@ async fn answer(site: Arc<Site>, request: Request<Incoming>) -> Result<Answer, R
             computed(site, body, |site, body| json_of(&json!({ "notes": site.engine().take(body, file)? })))
                 .await
         }
-        (_, "setup" | "pictures" | "depth" | "lens" | "advice" | "photograph", _) | (_, _, Some(_)) => {
+        (&Method::POST, "train", _) => {
+            let body = body(request, MAX_STATE).await?;
+            computed(site, body, |site, body| {
+                train(site, &state::read(body)?)?;
+                json_of(&site.training.status())
+            })
+            .await
+        }
+        (&Method::POST, "cancel", _) => {
+            computed(site, vec![], |site, _| {
+                site.training.cancel();
+                json_of(&site.training.status())
+            })
+            .await
+        }
+        (_, path, page) if page.is_some() || path.starts_with(WEIGHTS) || ASKED.contains(&path) => {
             Err((StatusCode::METHOD_NOT_ALLOWED, format!("{}: not answered here", request.method())))
         }
         _ => Err((StatusCode::NOT_FOUND, format!("{path}: no such page"))),
@@ -153,7 +191,7 @@ fn json_of(value: &impl serde::Serialize) -> Result<Answer, Error> {
 
 impl Site {
     /// The engine, for one request at a time. A request that failed left it as it was.
-    fn engine(&self) -> std::sync::MutexGuard<'_, Engine> {
+    pub fn engine(&self) -> std::sync::MutexGuard<'_, Engine> {
         self.engine.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -162,7 +200,7 @@ impl Site {
 async fn computed(
     site: Arc<Site>,
     body: Vec<u8>,
-    compute: impl FnOnce(&Site, &[u8]) -> Result<Answer, Error> + Send + 'static,
+    compute: impl FnOnce(&Arc<Site>, &[u8]) -> Result<Answer, Error> + Send + 'static,
 ) -> Result<Answer, Refusal> {
     let task = tokio::task::spawn_blocking(move || compute(&site, &body).map_err(|e| e.to_string()));
     match task.await {

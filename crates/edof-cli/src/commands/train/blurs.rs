@@ -27,10 +27,8 @@ pub(super) fn dataset(
     ui: &Ui,
 ) -> Result<Dataset, Error> {
     let frames: Vec<ColourFrame> = photographs.iter().map(|p| p.frame.clone()).collect();
-    let words: usize = frames.iter().map(|f| f.planes.len() * size_of::<u16>()).sum();
-    let pictures = options.augmentation.variants as f64
-        * (options.psis.len() * (1 + options.further_foci.len()) + 1) as f64;
-    said::memory("photographs (fewer --variants, --depths or --images take less)", words as f64 * pictures)?;
+    let bytes = blurred_bytes(&frames, &options);
+    said::memory("photographs (fewer --variants, --depths or --images take less)", bytes)?;
     let key = key(camera, &options, photos);
     let file = use_cache.then(|| edof_cosim::user_cache("blurs")).flatten().map(|folder| folder.join(&key));
     if let Some(file) = &file
@@ -57,6 +55,13 @@ pub(super) fn dataset(
         let _ = forget_old(file.parent().unwrap_or(Path::new("")));
     }
     Ok(dataset)
+}
+
+/// Memory that photographs take, sharp and blurred.
+pub fn blurred_bytes(frames: &[ColourFrame], options: &DatasetOptions) -> f64 {
+    let words: usize = frames.iter().map(|f| f.planes.len() * size_of::<u16>()).sum();
+    let looks = options.augmentation.variants as f64;
+    words as f64 * looks * (options.psis.len() * (1 + options.further_foci.len()) + 1) as f64
 }
 
 /// Everything that the blurs depend on.

@@ -9,7 +9,8 @@ mod recipe;
 mod seed;
 mod tell;
 
-pub use options::Args;
+pub use blurs::blurred_bytes;
+pub use options::{Args, DEPTHS, usual_threads};
 pub use recipe::default_of;
 
 use crate::error::Error;
@@ -71,7 +72,8 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     if recipe.tone == Tone::Srgb && args.focus.is_empty() {
         advice::note(&camera, Noise::sensor((least * most).sqrt().into()), ui);
     }
-    let mut photographs = photographs::photographs(&args.images, args.photos.as_ref(), ui)?;
+    let mut photographs =
+        photographs::photographs(&args.images, args.photos.as_ref(), &|line| ui.note(line))?;
     photographs::leave_out(&mut photographs, &args.leave_out)?;
     let photos: Vec<Input> = photographs.iter().map(|p| Input::photograph(&p.name(), &p.frame)).collect();
     photos.iter().for_each(|photo| ui.used(photo.clone()));
@@ -123,7 +125,11 @@ fn bytes_a_window(form: &Form) -> f64 {
     (words * size_of::<f32>()) as f64
 }
 
-fn spread([low, high]: [f64; 2], count: usize) -> Result<Vec<f64>, Error> {
+/// Depths that are trained, evenly over a range.
+///
+/// # Errors
+/// No depth, or too many.
+pub fn spread([low, high]: [f64; 2], count: usize) -> Result<Vec<f64>, Error> {
     match count {
         0 | 1001.. => Err(Error::message(format!("--depths {count}: must be 1 to 1000"))),
         1 => Ok(vec![0.5 * (low + high)]),

@@ -63,7 +63,7 @@ pub struct Args {
     pub(super) name: Option<String>,
 
     /// Number of depths ψ (defocus in radians), spread evenly over the camera's range
-    #[arg(long, default_value_t = 9, value_name = "N")]
+    #[arg(long, default_value_t = DEPTHS, value_name = "N")]
     pub(super) depths: usize,
 
     /// Range of ψ, the defocus in radians, as in 0:8, or of distances as in 0.7m:3m if the camera states nominal_m [default: the camera's]
@@ -301,8 +301,7 @@ impl Args {
 
     /// Threads that training runs on.
     pub(super) fn threads(&self) -> usize {
-        let cores = || std::thread::available_parallelism().map_or(1, |cores| cores.get().min(MAX_THREADS));
-        self.threads.unwrap_or_else(cores)
+        self.threads.unwrap_or_else(usual_threads)
     }
 
     /// Name of the network.
@@ -322,8 +321,15 @@ impl Args {
     }
 }
 
+/// Depths of a training.
+pub const DEPTHS: usize = 9;
 /// Threads that training is divided among at most.
 const MAX_THREADS: usize = 8;
+
+/// Threads that training runs on where none are stated.
+pub fn usual_threads() -> usize {
+    std::thread::available_parallelism().map_or(1, |cores| cores.get().min(MAX_THREADS))
+}
 
 fn minutes(text: &str) -> Result<Duration, String> {
     let minutes = text.parse::<f64>().ok().filter(|minutes| *minutes > 0.0);

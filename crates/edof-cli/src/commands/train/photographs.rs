@@ -1,7 +1,6 @@
 //! Which photographs a network learns from.
 
 use crate::error::Error;
-use crate::ui::Ui;
 use edof_core::ColourFrame;
 use edof_core::words::count;
 use edof_io::photo;
@@ -51,7 +50,7 @@ pub fn leave_out(photographs: &mut Vec<Photograph>, names: &[String]) -> Result<
     Ok(())
 }
 
-/// The photographs to learn from, and a remark for each that had to be skipped. Without a folder they are the study's and, where
+/// The photographs to learn from; `note` is given a remark for each that had to be skipped. Without a folder they are the study's and, where
 /// they are, those that came besides; without a choice, all but the study's test photos.
 ///
 /// # Errors
@@ -59,7 +58,7 @@ pub fn leave_out(photographs: &mut Vec<Photograph>, names: &[String]) -> Result<
 pub fn photographs(
     folders: &[PathBuf],
     choice: Option<&Selection>,
-    ui: &Ui,
+    note: &dyn Fn(String),
 ) -> Result<Vec<Photograph>, Error> {
     let folders = if folders.is_empty() {
         std::iter::once(photos::default_folder()?).chain(photos::more_folder()).collect()
@@ -69,12 +68,12 @@ pub fn photographs(
     let (mut photographs, mut found) = (vec![], 0);
     for folder in &folders {
         let photo::Folder { photographs: named, skipped, remarks } = photo::load_folder(folder)?;
-        remarks.into_iter().for_each(|line| ui.note(line));
+        remarks.into_iter().for_each(note);
         for error in &skipped {
-            ui.note(format!("skipped {error}"));
+            note(format!("skipped {error}"));
         }
         if !skipped.is_empty() {
-            ui.note(format!(
+            note(format!(
                 "{} of {} skipped",
                 skipped.len(),
                 count(skipped.len() + named.len(), "photograph")

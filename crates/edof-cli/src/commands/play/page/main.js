@@ -3,6 +3,7 @@
 import { controls } from "./controls.js";
 import { plot, psfs } from "./plots.js";
 import * as server from "./server.js";
+import { training } from "./training.js";
 import { viewer } from "./viewer.js";
 
 const TITLES = {
@@ -55,8 +56,9 @@ function figures(answer) {
     return row;
   }));
   const { isForeign, words } = network(answer.lens);
-  const text = `This network was not trained for this lens (${words.join(", ")} differ${words.length === 1 ? "s" : ""}). A network of its own would do better; save the camera below, then: ${answer.train}`;
+  const text = `This network was not trained for this lens (${words.join(", ")} differ${words.length === 1 ? "s" : ""}). A network of its own would do better: save the camera below, then ${answer.train}`;
   at("warning").textContent = isForeign ? text : "";
+  lesson.offer(isForeign);
 }
 
 function commands(answer, { scene, stride, seed }) {
@@ -68,10 +70,13 @@ function commands(answer, { scene, stride, seed }) {
   at("commands").textContent = [
     `edof optics page.json --psi ${psi}`,
     `edof capture ${picture} --camera page.json --psi ${psi} --noise ${noise} --seed ${seed} --out raw.png --sharp sharp.png`,
-    `edof reconstruct raw.png --float --weights ${own.name} --stride ${stride} --out out.png --bits 16${force}${layers}`,
+    `edof reconstruct raw.png --float --weights ${own.weights} --stride ${stride} --out out.png --bits 16${force}${layers}`,
     "edof compare sharp.png out.png",
   ].join("\n");
   at("commands-note").textContent = isDrawn ? "" : "The page makes large pictures smaller first; the commands take picture.png as it is.";
+  const isOwn = own.weights !== own.name;
+  at("network-place").hidden = !isOwn;
+  if (isOwn) Object.assign(at("network-file"), { href: `weights/${own.weights}`, download: own.weights, textContent: `Save the network as ${own.weights}` });
   at("camera-file").href = `data:application/json,${encodeURIComponent(JSON.stringify(camera, null, 2))}`;
 }
 
@@ -220,6 +225,17 @@ const setup = await server.setup().catch((error) => {
   throw error;
 });
 const controlled = controls(at("controls"), setup, changed);
+const lesson = training(at("training"), setup.steps, {
+  current: () => controlled.state,
+  async ready() {
+    setup.networks = (await server.setup()).networks;
+    controlled.build();
+  },
+  look({ camera, stops }, network) {
+    controlled.move({ camera, stops, network, layers: null });
+    controlled.build();
+  },
+});
 at("controls").addEventListener("photograph", (event) => take(event.detail));
 for (const [side, first] of [["left", "network"], ["right", "clear"]]) {
   for (const [id, title] of Object.entries(TITLES)) at(side).append(Object.assign(document.createElement("option"), { value: id, textContent: title, selected: id === first }));

@@ -18,6 +18,9 @@ export const setup = async () => (await asked("setup")).json();
 export const lens = async (state) => (await posted("lens", state)).json();
 export const depth = async (state) => (await posted("depth", state)).json();
 export const advice = async (state) => (await posted("advice", state)).json();
+export const train = async (state) => (await posted("train", state)).json();
+export const training = async () => (await asked("training")).json();
+export const cancel = async () => (await posted("cancel", {})).json();
 export const photograph = async (file) => (await asked("photograph", { method: "POST", body: file })).json();
 
 /** All pictures of a state: the text of the answer, and an ImageData for each picture by its id. */
