@@ -18,7 +18,12 @@ module ulx3s_top (
     // DVI: blue, green, red, clock. The pads drive the other half of each pair.
     output wire [3:0] gpdi_dp,
     // High: the ESP32 keeps running its program.
-    output wire       wifi_gpio0
+    output wire       wifi_gpio0,
+    // The memory of frames.
+    output wire       sdram_clk, sdram_cke, sdram_csn, sdram_rasn, sdram_casn, sdram_wen,
+    output wire [1:0] sdram_ba, sdram_dqm,
+    output wire [12:0] sdram_a,
+    inout  wire [15:0] sdram_d
 );
     // 25 MHz / @core_divide@ * @core_feedback@ = @core_mhz@ MHz; the oscillator runs @core_output@ times as fast.
     wire core_clock, core_locked;
@@ -82,10 +87,33 @@ module ulx3s_top (
     assign led = {core_locked_seen & calculator_locked_seen & bits_locked_seen, 3'b000, states};
     assign wifi_gpio0 = 1'b1;
 
+    // The SDRAM's clock is the core's inverted, by the same cell at the pin as the data: its edges are in the middle of what the pins say.
+    ODDRX1F sdram_clock (.SCLK(core_clock), .RST(1'b0), .D0(1'b0), .D1(1'b1), .Q(sdram_clk));
+    assign sdram_cke = 1'b1, sdram_csn = 1'b0;
+
+    // A register at each of its pins.
+    wire [19:0] to_sdram, at_sdram;
+    wire [15:0] data_to, data_at, data_of, data_from;
+    wire drive;
+    assign {sdram_rasn, sdram_casn, sdram_wen, sdram_ba, sdram_a, sdram_dqm} = at_sdram;
+    genvar i;
+    generate
+        for (i = 0; i < 20; i = i + 1) begin : control
+            OFS1P3DX register (.SCLK(core_clock), .CD(1'b0), .SP(1'b1), .D(to_sdram[i]), .Q(at_sdram[i]));
+        end
+        for (i = 0; i < 16; i = i + 1) begin : data
+            OFS1P3DX out (.SCLK(core_clock), .CD(1'b0), .SP(1'b1), .D(data_to[i]), .Q(data_at[i]));
+            BB pad (.I(data_at[i]), .T(!drive), .O(data_of[i]), .B(sdram_d[i]));
+            IFS1P3DX in (.SCLK(core_clock), .CD(1'b0), .SP(1'b1), .D(data_of[i]), .Q(data_from[i]));
+        end
+    endgenerate
+
     ulx3s_core core (
         .clock_i(core_clock), .calculator_clock_i(calculator_clock), .screen_clock_i(clk_25mhz), .bit_clock_i(bit_clock),
         .reset_i(reset_q), .calculator_reset_i(calculator_reset_q),
-        .uart_receive_i(ftdi_txd), .uart_transmit_o(ftdi_rxd), .dvi_o(gpdi_dp), .leds_o(states)
+        .uart_receive_i(ftdi_txd), .uart_transmit_o(ftdi_rxd), .dvi_o(gpdi_dp), .leds_o(states),
+        .sdram_command_o(to_sdram[19:17]), .sdram_bank_o(to_sdram[16:15]), .sdram_address_o(to_sdram[14:2]),
+        .sdram_mask_o(to_sdram[1:0]), .sdram_data_out_o(data_to), .sdram_drive_o(drive), .sdram_data_in_i(data_from)
     );
 endmodule
 `default_nettype wire

@@ -13,6 +13,6 @@ generate_tiny "$work"
 # Memory and screen of a board that `tiny` is not for.
 "$EDOF" random-network -q --design ulx3s --out "$work/ulx3s.fixed.safetensors"
 "$EDOF" generate -q --design ulx3s --weights "$work/ulx3s.fixed.safetensors" --out "$work/ulx3s"
-cp "$work"/ulx3s/rtl/{axi_ram_w128_s16,bit_count,tmds_encoder}.v "$work/tiny/rtl"
+cp "$work"/ulx3s/rtl/{axi_sdram,bit_count,tmds_encoder}.v "$work/tiny/rtl"
 cargo run -q --locked -p edof-hdl --example stream_cut >"$work/tiny/rtl/stream_cut_w2.v"
 python3 -B proofs/prove.py --sources "$work/tiny/rtl" --out "$(realpath -m "${CARGO_TARGET_DIR:-target}")/proofs" "$@"

@@ -109,7 +109,7 @@ fn the_ulx3s_is_tried_loaded_and_shows_golden_pictures() {
     }
     let _sim = Sim::start(
         &place,
-        "--rtl --design ulx3s --size 32x24 --baud 7500000 --weights own.fixed.safetensors",
+        "--rtl --design ulx3s --size 32x24 --baud 6250000 --weights own.fixed.safetensors",
     );
     let said = board(&place, "selftest own.fixed.safetensors");
     assert!(said.ends_with("every part that was tried works\n") && !said.contains("receiver"), "{said}");

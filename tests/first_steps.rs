@@ -216,8 +216,8 @@ fn a_design_for_another_board_is_estimated_and_what_the_board_lacks_is_named() {
     let network = "--design open.json --weights random.fixed.safetensors";
     for (line, message) in [
         (
-            line.replace("128x80", "640x480"),
-            "--size 640x480: must be at most 10240 pixels, which a buffer holds",
+            line.replace("128x80", "2048x1040"),
+            "--size 2048x1040: must be at most 2097152 pixels, which a buffer holds",
         ),
         (format!("generate {network} --out out --shell litex"), "board ulx3s has no shell 'litex'"),
         ("board sim --design open.json".to_owned(), "board ulx3s has no video input; add --rtl"),

@@ -1,4 +1,4 @@
-// The ULX3S' top between models of its PLL and of the core: periods of the clocks, the order of the resets, which pin is which.
+// The ULX3S' top between models of its PLL, its pins' cells and the core: periods of the clocks, the order of the resets, which pin is which.
 `timescale 1ps / 1ps
 `default_nettype none
 
@@ -34,24 +34,55 @@ module EHXPLLL (
     wire unused = &{1'b0, CLKFB, PHASESEL0, PHASESEL1, PHASEDIR, PHASESTEP, PHASELOADREG, PLLWAKESYNC, ENCLKOP};
 endmodule
 
-// What the top sees of a core: its line goes back inverted, its LEDs are alternate, and so are pairs of its screen.
+// Registers at pins, a pin of both directions, and D0 then D1 of each cycle at a pin (FPGA-TN-02032).
+module OFS1P3DX (input wire SCLK, CD, SP, D, output reg Q);
+    always @(posedge SCLK, posedge CD) if (CD) Q <= 1'b0; else if (SP) Q <= D;
+endmodule
+module IFS1P3DX (input wire SCLK, CD, SP, D, output reg Q);
+    always @(posedge SCLK, posedge CD) if (CD) Q <= 1'b0; else if (SP) Q <= D;
+endmodule
+module BB (input wire I, T, output wire O, inout wire B);
+    assign B = T ? 1'bz : I, O = B;
+endmodule
+module ODDRX1F (input wire SCLK, RST, D0, D1, output wire Q);
+    assign Q = !RST & (SCLK ? D0 : D1);
+endmodule
+
+// What the top sees of a core: its line goes back inverted, its LEDs and the pairs of its screen are alternate, and each pin of its memory has a word of its own.
 module ulx3s_core (
     input  wire clock_i, calculator_clock_i, screen_clock_i, bit_clock_i, reset_i, calculator_reset_i, uart_receive_i,
     output wire uart_transmit_o,
-    output wire [3:0] dvi_o, leds_o
+    output wire [3:0] dvi_o, leds_o,
+    output reg  [2:0] sdram_command_o,
+    output reg  [1:0] sdram_bank_o, sdram_mask_o,
+    output reg  [12:0] sdram_address_o,
+    output reg  [15:0] sdram_data_out_o,
+    output reg  sdram_drive_o,
+    input  wire [15:0] sdram_data_in_i
 );
     assign uart_transmit_o = !uart_receive_i;
     assign leds_o = 4'b0101, dvi_o = 4'b0110;
+    initial begin
+        {sdram_command_o, sdram_bank_o, sdram_mask_o, sdram_drive_o} = {3'd5, 2'd2, 2'd1, 1'b0};
+        {sdram_address_o, sdram_data_out_o} = {13'h1234, 16'hbeef};
+    end
 endmodule
 
 module ulx3s_top_bench;
     reg clk_25mhz = 1'b0, btn_fire1 = 1'b0, ftdi_txd = 1'b1;
     wire [7:0] led;
     wire [3:0] gpdi_dp;
-    wire ftdi_rxd, wifi_gpio0;
+    wire ftdi_rxd, wifi_gpio0, sdram_clk, sdram_cke, sdram_csn, sdram_rasn, sdram_casn, sdram_wen;
+    wire [1:0] sdram_ba, sdram_dqm;
+    wire [12:0] sdram_a;
+    wire [15:0] sdram_d;
+    reg chip_drives = 1'b1;
+    assign sdram_d = chip_drives ? 16'hcafe : 16'hzzzz;
     always #20000 clk_25mhz = !clk_25mhz;
     ulx3s_top dut (
-        .clk_25mhz(clk_25mhz), .btn_fire1(btn_fire1), .led(led), .ftdi_txd(ftdi_txd), .ftdi_rxd(ftdi_rxd), .gpdi_dp(gpdi_dp), .wifi_gpio0(wifi_gpio0)
+        .clk_25mhz(clk_25mhz), .btn_fire1(btn_fire1), .led(led), .ftdi_txd(ftdi_txd), .ftdi_rxd(ftdi_rxd), .gpdi_dp(gpdi_dp), .wifi_gpio0(wifi_gpio0),
+        .sdram_clk(sdram_clk), .sdram_cke(sdram_cke), .sdram_csn(sdram_csn), .sdram_rasn(sdram_rasn), .sdram_casn(sdram_casn),
+        .sdram_wen(sdram_wen), .sdram_ba(sdram_ba), .sdram_dqm(sdram_dqm), .sdram_a(sdram_a), .sdram_d(sdram_d)
     );
     // A press of some microseconds is enough here.
     defparam dut.fire1.LOG_CYCLES = 6;
@@ -101,6 +132,17 @@ module ulx3s_top_bench;
         measure(2, 40000.0);
         measure(3, 8000.0);
         if (gpdi_dp !== 4'b0110) fail("the screen");
+        if ({sdram_cke, sdram_csn, sdram_rasn, sdram_casn, sdram_wen} !== 5'b10101) fail("the SDRAM's command");
+        if (sdram_ba !== 2'd2 || sdram_dqm !== 2'd1 || sdram_a !== 13'h1234) fail("the SDRAM's address");
+        if (dut.core.sdram_data_in_i !== 16'hcafe) fail("data from the SDRAM");
+        chip_drives = 1'b0;
+        dut.core.sdram_drive_o = 1'b1;
+        #1000 if (sdram_d !== 16'hbeef) fail("data to the SDRAM");
+        // A word is at the pins for half a cycle when the chip's clock rises.
+        dut.core.sdram_data_out_o = 16'h5a5a;
+        @(sdram_d) begun = $realtime;
+        @(posedge sdram_clk) begun = ($realtime - begun) / @core_ps@;
+        if (sdram_d !== 16'h5a5a || begun < 0.4 || begun > 0.6) fail("the SDRAM's clock is not inverted");
         ftdi_txd = 1'b0;
         #1000 if (ftdi_rxd !== 1'b1) fail("the serial line");
         btn_fire1 = 1'b1;

@@ -2,7 +2,8 @@
 
 mod agent_resets;
 mod agents;
-mod axi_ram;
+mod axi_master;
+mod axi_sdram;
 mod blocks;
 mod board;
 mod board_blocks;

@@ -56,6 +56,17 @@ fn a_top_with_a_wrong_clock_reset_or_pin_is_found() {
         ),
         (".uart_receive_i(ftdi_txd)".into(), ".uart_receive_i(ftdi_rxd)".into(), "FAIL: the serial line"),
         ("reset_q <= button |".into(), "reset_q <=".into(), "FAIL: FIRE1 resets the core alone"),
+        (
+            ".D0(1'b0), .D1(1'b1)".into(),
+            ".D0(1'b1), .D1(1'b0)".into(),
+            "FAIL: the SDRAM's clock is not inverted",
+        ),
+        (
+            "sdram_ba, sdram_a, sdram_dqm}".into(),
+            "sdram_dqm, sdram_a, sdram_ba}".into(),
+            "FAIL: the SDRAM's address",
+        ),
+        (".T(!drive)".into(), ".T(drive)".into(), "FAIL: data from the SDRAM"),
     ] {
         let told = tried(|text| {
             assert!(text.contains(&right), "{right}");
@@ -79,19 +90,22 @@ fn every_pin_of_the_top_has_one_place() {
     let leds = (0..8).map(|i| format!("led[{i}]"));
     let leds = leds.chain((0..4).map(|i| format!("gpdi_dp[{i}]")));
     let others = ["clk_25mhz", "btn_fire1", "ftdi_txd", "ftdi_rxd", "wifi_gpio0"].map(String::from);
-    let expected: BTreeSet<String> = leds.chain(others).collect();
+    let sdram = ["clk", "cke", "csn", "rasn", "casn", "wen"].map(|pin| format!("sdram_{pin}"));
+    let buses = [("a", 13), ("ba", 2), ("dqm", 2), ("d", 16)];
+    let sdram = sdram
+        .into_iter()
+        .chain(buses.into_iter().flat_map(|(bus, bits)| (0..bits).map(move |i| format!("sdram_{bus}[{i}]"))));
+    let expected: BTreeSet<String> = leds.chain(others).chain(sdram).collect();
     assert_eq!((names(&located), names(&levels)), (expected.clone(), expected.clone()));
     let sites: BTreeSet<&String> = located.iter().map(|row| &row[1]).collect();
     assert_eq!(sites.len(), expected.len());
     let top = std::fs::read_to_string(folder.join("rtl/ulx3s_top.v")).unwrap();
     let ports = top.split_once("module ulx3s_top (").unwrap().1.split_once(");").unwrap().0;
-    let declared = ports.lines().filter(|line| line.contains("wire"));
-    let declared: BTreeSet<&str> =
-        declared.map(|line| line.trim_end_matches(',').split_whitespace().last().unwrap()).collect();
-    assert_eq!(
-        declared,
-        BTreeSet::from(["clk_25mhz", "btn_fire1", "led", "ftdi_txd", "ftdi_rxd", "gpdi_dp", "wifi_gpio0"])
-    );
+    let declared = ports.lines().filter_map(|line| line.split_once("wire"));
+    let declared =
+        declared.flat_map(|(_, names)| names.split(',')).filter_map(|name| name.split_whitespace().last());
+    let declared: BTreeSet<&str> = declared.collect();
+    assert_eq!(declared, expected.iter().map(|name| name.split('[').next().unwrap()).collect());
 }
 
 #[test]

@@ -13,6 +13,7 @@
 //! | the receiver: cable to pins | [`adv7611`] |
 //! | the transmitter: pins to cable | [`adv7511`] |
 //! | links, EDIDs, who is at the ends | [`hdmi`], [`edid`], [`source`], [`graphics_card`], [`screen`] |
+//! | an SDRAM, of the ULX3S | [`sdram`] |
 //! | a screen at a cable without chips: bits of DVI | [`dvi`] |
 //! | all of it as it is wired | [`imageon`], [`kc705`] |
 //!
@@ -45,6 +46,7 @@ pub mod master;
 pub mod memory;
 pub mod registers;
 pub mod screen;
+pub mod sdram;
 pub mod source;
 pub mod switch;
 pub mod wire;
@@ -57,5 +59,6 @@ pub use imageon::{Delays, Imageon};
 pub use kc705::Kc705;
 pub use master::Master;
 pub use screen::Screen;
+pub use sdram::Sdram;
 pub use source::Source;
 pub use wire::{Lines, Pulls, Wires};

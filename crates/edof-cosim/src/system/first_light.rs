@@ -1,8 +1,9 @@
-//! The ULX3S in Verilator, of which a host sees a serial line and nothing else: everything between its pins is simulated, the memory of frames
-//! too.
+//! The ULX3S in Verilator, of which a host sees a serial line and nothing else: everything between its pins is simulated; at them is a model of its
+//! SDRAM.
 
 use super::board::Speed;
 use super::pictures::TableWords;
+use super::sdram::SdramChip;
 use super::uart::Terminal;
 use crate::bench::{Actor, Bench, ClockId};
 use crate::chain::verilated::write_images;
@@ -119,6 +120,7 @@ pub fn project(
 pub struct FirstLight {
     bench: Bench,
     terminal: Terminal,
+    sdram: SdramChip,
     screen_clock: ClockId,
     /// The screen, once there is one.
     pub cable: Option<DviCable>,
@@ -172,9 +174,10 @@ impl FirstLight {
         clock("calculator_clock_i", periods.calculator)?;
         let screen_clock = clock("screen_clock_i", screen)?;
         let terminal = Terminal::new(library.source(), core, speed.cycles_per_bit).map_err(stopped)?;
+        let sdram = SdramChip::new(library.source(), "sdram_", core, periods.core).map_err(stopped)?;
         bench.set("uart_receive_i", 1).map_err(stopped)?;
         let mut board =
-            Self { bench, terminal, screen_clock, cable: None, speed, bytes: [0; 2], waited: 0.0 };
+            Self { bench, terminal, sdram, screen_clock, cable: None, speed, bytes: [0; 2], waited: 0.0 };
         board.reset()?;
         Ok(board)
     }
@@ -184,10 +187,10 @@ impl FirstLight {
     /// # Errors
     /// The simulation stops.
     pub fn steps(&mut self, edges: usize) -> Result<(), Error> {
-        let (bench, terminal) = (&mut self.bench, &mut self.terminal);
-        match &mut self.cable {
-            Some(cable) => bench.steps(edges, &mut [cable, terminal]),
-            None => bench.steps(edges, &mut [terminal]),
+        let Self { bench, terminal, sdram, cable, .. } = self;
+        match cable {
+            Some(cable) => bench.steps(edges, &mut [cable, terminal, sdram]),
+            None => bench.steps(edges, &mut [terminal, sdram]),
         }
         .map_err(stopped)
     }

@@ -9,7 +9,7 @@
 //! | set up | [`chips`] | the engines and models of the video chips, and who counts sync codes |
 //! | talk to it | [`uart`], [`board`] | a serial line at its pins, and all of it as a board that any host of `edof-board` knows |
 //! | between cables | [`mod@cables`] | the KC705's core with models of the chips around it, from a source's cable to a screen |
-//! | first light | [`first_light`] | the ULX3S from pin to pin, as a board behind a serial line |
+//! | first light | [`first_light`], [`sdram`] | the ULX3S from pin to pin, as a board behind a serial line; its memory |
 //! | measure | [`measured`], [`fifos`] | frames per second, memory traffic, latency; largest fill of each FIFO |
 //! | run again | [`mod@recorded`], [`second`] | the same in a bench of Verilog alone, for Icarus and for who has no Rust |
 
@@ -23,6 +23,7 @@ pub mod pictures;
 pub mod pins;
 pub mod recorded;
 pub mod rig;
+pub mod sdram;
 pub mod second;
 pub mod uart;
 
@@ -33,3 +34,4 @@ pub use pictures::{PictureError, TableWords, Torn, compare, drawn, longest_run, 
 pub use pins::{Camera, Screen};
 pub use recorded::recorded;
 pub use rig::{Compiled, Rig, RigConfig, leisurely, project};
+pub use sdram::SdramChip;

@@ -265,9 +265,14 @@ fn vectors_below(
     for declared in text.split(['\n', ';']).map(str::trim) {
         let is_net =
             ["reg [", "wire [", "input", "output", "(*"].iter().any(|start| declared.starts_with(start));
-        if let Some((_, names)) = declared.split_once("] ").filter(|_| is_net) {
-            let names = names.split(',').filter_map(|name| name.split(['=', '[']).next());
-            all.extend(names.map(|name| below(path, name.trim())));
+        // A range holds for the names that follow, until the next declaration in the row.
+        let mut is_vector = false;
+        for part in declared.split(',').filter(|_| is_net) {
+            let (begins, name) = part.split_once("] ").map_or((false, part), |(_, name)| (true, name));
+            is_vector = begins || (is_vector && !part.contains(" wire "));
+            if let Some(name) = name.split(['=', '[']).next().filter(|_| is_vector) {
+                all.insert(below(path, name.trim()));
+            }
         }
     }
     for (name, cell) in module.cells.iter().filter(|(name, _)| !name.starts_with('$')) {

@@ -1,5 +1,5 @@
-//! The ULX3S: Lattice LFE5U-85F-6 and an FT231X, for open tools from Verilog to the bitstream. First light: frames come over the serial line, lie in
-//! block RAM, and are shown by DVI; the board's SDRAM and a camera are not used.
+//! The ULX3S: Lattice LFE5U-85F-6, an SDRAM and an FT231X, for open tools from Verilog to the bitstream. First light: frames come over the serial line, lie in
+//! the SDRAM, and are shown by DVI; a camera is not used.
 //!
 //! Sources: FPGA-DS-02012 (cells, limits of the PLL), FPGA-TN-02200 (its dividers; feedback from the output), ULX3S manual (25 MHz, FT231X, pairs of the
 //! video connector at pads of the FPGA).
@@ -14,35 +14,31 @@ use crate::video::VideoTiming;
 pub const ULX3S: Board = Board {
     name: "ulx3s",
     part: LFE5U_85F,
-    core_khz: 60_000,
+    // What the whole board holds when routed.
+    core_khz: 50_000,
     clocks: ClockMaker { source_khz: 25_000, pll: EHXPLLL },
-    memory: BLOCK_RAM,
+    memory: SDRAM,
     sets: &[1, 2],
-    // The most that the FT231X has; a bit is 20 cycles.
-    baud: 3_000_000,
+    // Of the FT231X's rates the fastest that divides the clock; a bit is 25 cycles.
+    baud: 2_000_000,
     video_in: None,
-    // No mode has frames of a buffer's size.
-    video_out: Some(VideoOut { setup: None, modes: &[], smaller: Smaller::Middle(VideoTiming::VGA_60) }),
+    video_out: Some(VideoOut {
+        setup: None,
+        modes: &[VideoTiming::VGA_60],
+        smaller: Smaller::Middle(VideoTiming::VGA_60),
+    }),
     shells: &[Shell {
-        name: "block-ram",
-        about: "Frames in block RAM, a serial line for the host; Yosys and nextpnr",
+        name: "serial",
+        about: "Frames in the SDRAM, a serial line for the host; Yosys and nextpnr",
         top: "ulx3s_top",
         files: &[&BOARD_FILES, &BUILD_FILES],
     }],
 };
 
-/// Bytes of a buffer: 10,240 pixels.
-const BUFFER: u32 = 20 << 10;
-
-/// Six buffers in 128 KiB of block RAM, which 64 blocks have: each holds two bits of every word, so that nothing is selected.
-const BLOCK_RAM: Memory = Memory {
-    word_bits: 128,
-    burst_words: 32,
-    max_burst_cycles: 48,
-    buffer_bytes: BUFFER,
-    raw_buffers: [0, BUFFER, 2 * BUFFER],
-    picture_buffers: [3 * BUFFER, 4 * BUFFER, 5 * BUFFER],
-};
+/// The chip's 32 MiB behind words of eight columns. A burst has a quarter of a row: with longer ones the LUT RAM of the agents
+/// was the longest path. It waits at most for one of the other direction, and each of the two for
+/// another row and a refresh.
+const SDRAM: Memory = Memory { burst_words: 16, ..Memory::of_port(128, 368) };
 
 /// Pins, and the top.
 const BOARD_FILES: [(&str, &str); 3] = [

@@ -6,7 +6,7 @@
 //! | [`read_agent`] | the newest complete frame buffer as a stream of pixels |
 //! | [`axi_pair`] | two agents each way on one memory |
 //! | [`axi_guard`] | completes what is in flight when they are reset |
-//! | [`axi_ram`] | a memory of block RAM |
+//! | [`axi_sdram`] | a controller of an SDRAM |
 //! | [`clock_watch`] | whether a clock runs |
 //! | [`cycle_count`] | cycles of a clock |
 //! | [`registers`] | what the host sees and sets |
@@ -31,7 +31,7 @@
 
 pub mod axi_guard;
 pub mod axi_pair;
-pub mod axi_ram;
+pub mod axi_sdram;
 pub mod bank_guard;
 pub mod blocks;
 pub mod calculator_port;
@@ -59,7 +59,7 @@ pub mod write_agent;
 
 pub use axi_guard::AxiGuard;
 pub use axi_pair::AxiPair;
-pub use axi_ram::AxiRam;
+pub use axi_sdram::AxiSdram;
 pub use bank_guard::BankGuard;
 pub use calculator_port::CalculatorPort;
 pub use chip_setup::ChipSetup;

@@ -1,6 +1,6 @@
-//! The core with what the ULX3S has around it: a serial line, block RAM for its frames, and DVI.
+//! The core with what the ULX3S has around it: a serial line, an SDRAM for its frames, and DVI.
 
-use super::axi_ram::AxiRam;
+use super::axi_sdram::AxiSdram;
 use super::edof_core::EdofCore;
 use super::pace::Pace;
 use super::power_on::PowerOn;
@@ -20,7 +20,7 @@ use rust_hdl::prelude::*;
 pub(crate) const W: usize = ULX3S.memory.word_bits;
 pub(crate) const S: usize = W / 8;
 
-/// The core with what the ULX3S has around it: a serial line to the host, block RAM for its frames, and DVI. No video comes in: the host writes raw
+/// The core with what the ULX3S has around it: a serial line to the host, an SDRAM for its frames, and DVI. No video comes in: the host writes raw
 /// frames. Pictures are in the middle of a black screen. Pins and clocks are `ulx3s_top`'s.
 #[derive(Circuit)]
 #[circuit(default(ResetSync, PowerOn))]
@@ -45,8 +45,22 @@ pub struct Ulx3sCore {
     pub dvi: Signal<Out, Bits<4>>,
     /// LEDs: 0 the memory is ready; 3 pictures leave the memory.
     pub leds: Signal<Out, Bits<4>>,
+    /// The SDRAM's RAS#, CAS# and WE#; the pins are registered outside.
+    pub sdram_command: Signal<Out, Bits<3>>,
+    /// Its bank.
+    pub sdram_bank: Signal<Out, Bits<2>>,
+    /// Its row, column or mode.
+    pub sdram_address: Signal<Out, Bits<13>>,
+    /// Its masks of bytes.
+    pub sdram_mask: Signal<Out, Bits<2>>,
+    /// Data to it.
+    pub sdram_data_out: Signal<Out, Bits<16>>,
+    /// Its data lines are driven; no register outside.
+    pub sdram_drive: Signal<Out, Bit>,
+    /// Data from it.
+    pub sdram_data_in: Signal<In, Bits<16>>,
     core: EdofCore<W, S>,
-    ram: AxiRam<W, S>,
+    sdram: AxiSdram,
     uart: UartBus,
     screen: Dvi,
     reset_of_screen: ResetSync,
@@ -66,12 +80,11 @@ impl Ulx3sCore {
         tables: &Tables,
         pace: &Pace,
     ) -> Result<Self, DesignError> {
-        let memory = &design.board.memory;
         let screen = pace.screen.unwrap_or_else(|| design.screen());
         let picture = screen.around(design.frame);
         Ok(Self::from_parts(Ulx3sCoreParts {
             core: EdofCore::on_screen(design, sets, identity, tables, picture)?,
-            ram: AxiRam::new(memory.words()),
+            sdram: AxiSdram::new(design.board.core_khz.into()),
             uart: UartBus::new(pace.cycles_per_bit, pace.uart_time_out),
             screen: Dvi::new(screen),
         }))
@@ -93,11 +106,18 @@ impl Logic for Ulx3sCore {
         self.power_on.reset.next = self.reset_of_core.domain_reset.val();
 
         // The memory is reset once, with all of the core; a later reset of the core completes what is in flight.
-        self.ram.clock.next = self.clock.val();
-        self.ram.reset.next = self.power_on.first.val();
-        self.core.dram_ready.next = !self.power_on.first.val();
-        AxiWriteMaster::<W, S>::join(&mut self.core.dram_write, &mut self.ram.write);
-        AxiReadMaster::<W>::join(&mut self.core.dram_read, &mut self.ram.read);
+        self.sdram.clock.next = self.clock.val();
+        self.sdram.reset.next = self.power_on.first.val();
+        self.core.dram_ready.next = self.sdram.ready.val();
+        AxiWriteMaster::<W, S>::join(&mut self.core.dram_write, &mut self.sdram.write);
+        AxiReadMaster::<W>::join(&mut self.core.dram_read, &mut self.sdram.read);
+        self.sdram_command.next = self.sdram.command.val();
+        self.sdram_bank.next = self.sdram.bank.val();
+        self.sdram_address.next = self.sdram.address.val();
+        self.sdram_mask.next = self.sdram.mask.val();
+        self.sdram_data_out.next = self.sdram.data_out.val();
+        self.sdram_drive.next = self.sdram.drive.val();
+        self.sdram.data_in.next = self.sdram_data_in.val();
 
         self.uart.clock.next = self.clock.val();
         self.uart.reset.next = self.reset_of_core.domain_reset.val();
