@@ -55,7 +55,24 @@ def stop(_number, _frame):
     os._exit(1)
 
 
-def run(task, mode, sources, out, broken=None, patience=1):
+def texts(task, sources, broken):
+    """Its files by name: made small for the prover, then broken."""
+    found = {}
+    for file in task["files"]:
+        places = [HERE / file, sources / file, HERE.parent / "rtl" / file]
+        text = next((place for place in places if place.exists()), places[1]).read_text()
+        for edit in [*task.get("smaller", []), *([broken] if broken is not None else [])]:
+            if file != edit["file"]:
+                continue
+            text, count = re.subn(edit["pattern"], lambda _: edit["new"], text)
+            if count != 1 and not (count and edit.get("all")):
+                sys.exit(f"prove.py: {task['name']}: '{edit['pattern']}' stands {count} times in {file}, not once; "
+                         "write it as the circuit's text does")
+        found[pathlib.Path(file).name] = text
+    return found
+
+
+def run(task, mode, files, out, broken=None, patience=1):
     """One run: what it is called, whether it went as it must, a line about it."""
     name = task["name"] + {"prove": "", "bmc": "", "cover": ".cover"}[mode]
     if broken is not None:
@@ -63,17 +80,8 @@ def run(task, mode, sources, out, broken=None, patience=1):
     folder = out / name
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    for file in task["files"]:
-        places = [HERE / file, sources / file, HERE.parent / "rtl" / file]
-        text = next((place for place in places if place.exists()), places[1]).read_text()
-        # What makes the circuit small for the prover, then what breaks it.
-        for edit in [*task.get("smaller", []), *([broken] if broken is not None else [])]:
-            if file != edit["file"]:
-                continue
-            text, count = re.subn(edit["pattern"], lambda _: edit["new"], text)
-            if count != 1 and not (count and edit.get("all")):
-                return name, False, f"'{edit['pattern']}' stands {count} times in {file}, not once"
-        (folder / pathlib.Path(file).name).write_text(text)
+    for file, text in files.items():
+        (folder / file).write_text(text)
     shutil.copy(HERE / task["properties"], folder)
     (folder / "task.sby").write_text(sby(task, mode))
     start = time.monotonic()
@@ -138,9 +146,11 @@ def main():
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, stop)
     out, sources = options.out.resolve(), options.sources.resolve()
+    # Before the first proof: what an edit does not find would be told minutes later.
+    files = [texts(task, sources, broken) for task, _, broken in jobs]
     failed, results = 0, []
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        waiting = [pool.submit(run, task, mode, sources, out, broken, options.patience) for task, mode, broken in jobs]
+        waiting = [pool.submit(run, task, mode, own, out, broken, options.patience) for (task, mode, broken), own in zip(jobs, files)]
         for job in concurrent.futures.as_completed(waiting):
             name, good, how = job.result()
             failed += not good

@@ -2,7 +2,7 @@
 
 use crate::estimate::Estimated;
 use edof_device::Design;
-use edof_device::board::Smaller;
+use edof_device::board::Frames;
 use edof_device::board::part::Cells;
 use edof_device::design::DesignError;
 use edof_device::video::VideoTiming;
@@ -38,9 +38,9 @@ impl Promise {
         design.check_board()?;
         let estimated = Estimated::new(design, None);
         let Estimated { ahead, board, total, .. } = &estimated;
-        let mode = design.board.video_out.as_ref().and_then(|video| match video.smaller {
-            Smaller::Middle(screen) => Some(screen),
-            Smaller::Simulated(_) => VideoTiming::mode(design.frame),
+        let mode = design.board.video_out.as_ref().and_then(|video| match video.frames {
+            Frames::Middle(screen) => Some(screen),
+            Frames::OfModes(..) => VideoTiming::mode(design.frame),
         });
         let part = estimated.part();
         Ok(Self {

@@ -6,11 +6,14 @@ use edof_cosim::bench::{Actor, ClockId, Throttle};
 use edof_cosim::verilator::Model;
 use edof_cosim::{Error, Source};
 
-/// What the memory is.
+/// Bytes of a word.
+const BYTES: u64 = 16;
+/// Strobes of a whole word.
+const ALL: u64 = (1 << BYTES) - 1;
+
+/// What is used of the memory.
 #[derive(Clone, Copy)]
 pub struct Shape {
-    /// Bytes of a word.
-    pub bytes: u64,
     /// Words that are used, in areas with gaps between: how many areas, words of each, and from one to the next.
     pub areas: [u64; 3],
     /// Words of the longest burst.
@@ -122,9 +125,9 @@ impl Master {
         let words = (row..row + count).map(|row| {
             // What lay there at first nobody knows.
             let strobes = if is_whole || self.rows[row as usize].is_empty() {
-                self.all_bytes()
+                ALL
             } else {
-                [self.all_bytes(), 0, 0x3c, 0x8001][self.whole(0, 3) as usize] & self.all_bytes()
+                [ALL, 0, 0x3c, 0x8001][self.whole(0, 3) as usize]
             };
             (u128::from(self.draw.bits()) << 64 | u128::from(self.draw.bits()), strobes)
         });
@@ -132,19 +135,15 @@ impl Master {
         Burst { id: self.whole(0, 1), row, words, asked: self.cycle }
     }
 
-    const fn all_bytes(&self) -> u64 {
-        (1 << self.shape.bytes) - 1
-    }
-
     /// The byte address of a row.
     const fn address(&self, row: u64) -> u64 {
         let [_, words, apart] = self.shape.areas;
-        self.shape.bytes * (row / words * apart + row % words)
+        BYTES * (row / words * apart + row % words)
     }
 
     /// The part of a word that these strobes enable.
-    fn lines(&self, strobes: u64) -> u128 {
-        (0..self.shape.bytes).filter(|byte| strobes >> byte & 1 == 1).map(|byte| 0xff << (8 * byte)).sum()
+    fn lines(strobes: u64) -> u128 {
+        (0..BYTES).filter(|byte| strobes >> byte & 1 == 1).map(|byte| 0xff << (8 * byte)).sum()
     }
 
     fn goes(&mut self, channel: usize) -> bool {
@@ -155,11 +154,11 @@ impl Master {
         let Some(burst) = &self.writing else { panic!("a word of no burst") };
         let (word, strobes) = burst.words[self.sent];
         let row = burst.row as usize + self.sent;
-        let is_partial = strobes != self.all_bytes() && strobes != 0;
+        let is_partial = strobes != ALL && strobes != 0;
         self.partial_words += u64::from(is_partial);
         if strobes != 0 {
             let before = self.rows[row].last().map_or(0, |written| written.word);
-            let lines = self.lines(strobes);
+            let lines = Self::lines(strobes);
             let word = word & lines | before & !lines;
             self.rows[row].push(Written { word, accepted: self.cycle, answered: None });
         }
@@ -210,7 +209,7 @@ impl Actor for Master {
         let [.., aw_valid, aw_ready, _, _, _, w_valid, w_ready, b_valid, b_ready] = write;
         let read = self.read.map(|port| model.peek(port).unwrap());
         let [_, _, _, ar_valid, ar_ready, r_id, _, r_last, r_valid, r_ready] = read;
-        let mut words = vec![0; self.shape.bytes as usize / 4];
+        let mut words = vec![0; BYTES as usize / 4];
         model.peek_words(self.read[6], &mut words)?;
         let r_data = words.iter().rev().fold(0, |word, next| word << 32 | u128::from(*next));
         self.standing[0].see(b_valid == 1, b_ready == 1, (0, 0, 0));
@@ -249,7 +248,7 @@ impl Actor for Master {
             && self.goes(1)
         {
             let (word, strobes) = burst.words[self.sent];
-            let words: Vec<u32> = (0..self.shape.bytes / 4).map(|i| (word >> (32 * i)) as u32).collect();
+            let words: Vec<u32> = (0..BYTES / 4).map(|i| (word >> (32 * i)) as u32).collect();
             model.poke_words(self.write[4], &words)?;
             model.poke(self.write[5], strobes)?;
             model.poke(self.write[6], u64::from(self.sent + 1 == burst.words.len()))?;

@@ -10,7 +10,7 @@ use edof_device::board::ULX3S;
 use edof_hdl::board::AxiSdram;
 
 /// Three areas around ends of rows, in other banks and rows: 64 words are a row of a bank.
-const SHAPE: Shape = Shape { bytes: 16, areas: [3, 80, 64 * 4 * 5 + 40], longest: 64 };
+const SHAPE: Shape = Shape { areas: [3, 80, 64 * 4 * 5 + 40], longest: 64 };
 
 /// The controller at a clock in kHz; its text may have been edited.
 fn library(khz: u64, edit: impl Fn(String) -> String) -> Library {

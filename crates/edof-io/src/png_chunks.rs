@@ -1,15 +1,14 @@
 //! Chunks of a PNG, for what its decoder does not give.
 
+use edof_core::storage::digest::crc32;
+
 /// Bytes of a PNG's signature and header.
 const HEADER: usize = 33;
 
 /// Inserts a chunk behind the header of a PNG.
 pub fn insert(png: &mut Vec<u8>, name: [u8; 4], content: &[u8]) {
     let named = [&name[..], content].concat();
-    let step = |crc: u32| if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 };
-    let byte = |crc: u32, byte: &u8| (0..8).fold(crc ^ u32::from(*byte), |crc, _| step(crc));
-    let check = !named.iter().fold(u32::MAX, byte);
-    let chunk = [&(content.len() as u32).to_be_bytes(), &named[..], &check.to_be_bytes()].concat();
+    let chunk = [&(content.len() as u32).to_be_bytes(), &named[..], &crc32(&named).to_be_bytes()].concat();
     png.splice(HEADER..HEADER, chunk);
 }
 

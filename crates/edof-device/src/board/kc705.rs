@@ -5,7 +5,7 @@
 use super::memory::Memory;
 use super::part::{BlockMemory, Columns, Multiplier, Part, ReadsTwice, Resources};
 use super::pll::Pll;
-use super::{Board, ClockMaker, Setup, Shell, Smaller, VideoIn, VideoOut};
+use super::{Board, ClockMaker, Frames, Setup, Shell, VideoIn, VideoOut};
 use crate::i2c::{receiver, transmitter};
 use crate::input_timing;
 use crate::video::VideoTiming;
@@ -27,8 +27,7 @@ pub const KC705: Board = Board {
     }),
     video_out: Some(VideoOut {
         setup: Some(Setup { image: "mem/i2c_kc705.mem", program: |_| transmitter::program() }),
-        modes: &VideoTiming::MODES,
-        smaller: Smaller::Simulated(25_000),
+        frames: Frames::OfModes(&VideoTiming::MODES, 25_000),
     }),
     shells: &[
         Shell {

@@ -79,18 +79,16 @@ pub struct VideoIn {
 pub struct VideoOut {
     /// Set-up of its chip, if it has one.
     pub setup: Option<Setup>,
-    /// Video modes of frames.
-    pub modes: &'static [VideoTiming],
-    /// What smaller frames are shown on.
-    pub smaller: Smaller,
+    /// How frames are shown.
+    pub frames: Frames,
 }
 
-/// What frames without a mode are shown on.
+/// How a video output shows frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Smaller {
-    /// No screen: they are for simulation, with the slowest pixel clock in kilohertz.
-    Simulated(u64),
-    /// The middle of a screen, in black.
+pub enum Frames {
+    /// As whole screens of these modes. Smaller ones are for simulation, with the slowest pixel clock in kilohertz.
+    OfModes(&'static [VideoTiming], u64),
+    /// In the middle of a screen, in black.
     Middle(VideoTiming),
 }
 

@@ -7,14 +7,14 @@
 use super::memory::Memory;
 use super::part::{BlockMemory, Multiplier, Part, ReadsTwice, Resources};
 use super::pll::Pll;
-use super::{Board, ClockMaker, Shell, Smaller, VideoOut};
+use super::{Board, ClockMaker, Frames, Shell, VideoOut};
 use crate::video::VideoTiming;
 
 /// The ULX3S.
 pub const ULX3S: Board = Board {
     name: "ulx3s",
     part: LFE5U_85F,
-    // What the whole board holds when routed.
+    // Below what a larger design held when it was routed (docs/ulx3s.md).
     core_khz: 50_000,
     clocks: ClockMaker { source_khz: 25_000, pll: EHXPLLL },
     memory: SDRAM,
@@ -22,11 +22,7 @@ pub const ULX3S: Board = Board {
     // Of the FT231X's rates the fastest that divides the clock; a bit is 25 cycles.
     baud: 2_000_000,
     video_in: None,
-    video_out: Some(VideoOut {
-        setup: None,
-        modes: &[VideoTiming::VGA_60],
-        smaller: Smaller::Middle(VideoTiming::VGA_60),
-    }),
+    video_out: Some(VideoOut { setup: None, frames: Frames::Middle(VideoTiming::VGA_60) }),
     shells: &[Shell {
         name: "serial",
         about: "Frames in the SDRAM, a serial line for the host; Yosys and nextpnr",
@@ -35,9 +31,8 @@ pub const ULX3S: Board = Board {
     }],
 };
 
-/// The chip's 32 MiB behind words of eight columns. A burst has a quarter of a row: with longer ones the LUT RAM of the agents
-/// was the longest path. It waits at most for one of the other direction, and each of the two for
-/// another row and a refresh.
+/// The chip's 32 MiB behind words of eight columns. A burst has a quarter of a row: with longer ones the LUT RAM of the agents was the longest path. It waits
+/// at most for one of the other direction, and each of the two for another row and a refresh.
 const SDRAM: Memory = Memory { burst_words: 16, ..Memory::of_port(128, 368) };
 
 /// Pins, and the top.

@@ -1,7 +1,7 @@
 //! A design on its board: the clocks that it needs there, and whether frames fit.
 
 use super::{Design, DesignError};
-use crate::board::{MadeClock, Setup, Smaller, VideoOut};
+use crate::board::{Frames, MadeClock, Setup, VideoOut};
 use crate::video::VideoTiming;
 use edof_core::words::number;
 
@@ -46,8 +46,8 @@ impl Design {
     /// Returns the timing of the screen: that of the frames, or a larger one that shows them in its middle ([`VideoTiming::around`]).
     #[must_use]
     pub fn screen(&self) -> VideoTiming {
-        match self.board.video_out.as_ref().map(|video| video.smaller) {
-            Some(Smaller::Middle(screen)) => screen,
+        match self.board.video_out.as_ref().map(|video| video.frames) {
+            Some(Frames::Middle(screen)) => screen,
             _ => VideoTiming::of_frame(self.frame),
         }
     }
@@ -95,16 +95,16 @@ impl Design {
 
     /// Returns the pixel clock of the screen, from the video mode of the frames.
     fn screen_clock(&self, video: &VideoOut) -> Result<MadeClock, DesignError> {
-        let slowest = match video.smaller {
-            Smaller::Simulated(khz) => khz,
-            Smaller::Middle(screen) => return self.clock_of_larger(screen),
+        let (modes, slowest) = match video.frames {
+            Frames::OfModes(modes, slowest) => (modes, slowest),
+            Frames::Middle(screen) => return self.clock_of_larger(screen),
         };
         let (columns, rows) = SIMULATED_SIDES;
         let is_simulated = self.frame.width < columns && self.frame.height < rows;
-        let mode = VideoTiming::mode(self.frame).filter(|mode| video.modes.contains(mode));
+        let mode = VideoTiming::mode(self.frame).filter(|mode| modes.contains(mode));
         let khz = mode.map(|mode| mode.pixel_khz as u64).or(is_simulated.then_some(slowest));
         khz.and_then(|khz| self.board.clock(khz)).ok_or_else(|| {
-            let mut sizes: Vec<String> = video.modes.iter().map(|mode| mode.size()).collect();
+            let mut sizes: Vec<String> = modes.iter().map(|mode| mode.size()).collect();
             sizes.dedup();
             let sizes = sizes.join(", ");
             self.frame_error(format!(

@@ -157,11 +157,13 @@ pub struct AxiSdram {
     queue: Queue<128>,
     can_write: Signal<Local, Bit>,
     can_read: Signal<Local, Bit>,
+    write_is_next: Signal<Local, Bit>,
     may: Signal<Local, Bit>,
     may_change: Signal<Local, Bit>,
     access: Signal<Local, Bit>,
     writes: Signal<Local, Bit>,
     reads: Signal<Local, Bit>,
+    drives: Signal<Local, Bit>,
     row: Signal<Local, Bits<15>>,
 }
 
@@ -250,12 +252,13 @@ impl Logic for AxiSdram {
         // The word that is next.
         self.can_write.next = self.is_writing.q.val() && self.write.w_valid.val();
         self.can_read.next = self.to_ask.q.val().any() && self.queue.space.val();
+        self.write_is_next.next =
+            self.can_write.val() && (self.turn_of_writes.q.val() || !self.can_read.val());
         if !self.chosen.q.val() {
             self.chosen.d.next = self.can_write.val() || self.can_read.val();
-            self.chosen_is_write.d.next =
-                self.can_write.val() && (self.turn_of_writes.q.val() || !self.can_read.val());
+            self.chosen_is_write.d.next = self.write_is_next.val();
             self.chosen_place.d.next = self.read_place.q.val();
-            if self.can_write.val() && (self.turn_of_writes.q.val() || !self.can_read.val()) {
+            if self.write_is_next.val() {
                 self.chosen_place.d.next = self.write_place.q.val();
             }
         }
@@ -357,8 +360,9 @@ impl Logic for AxiSdram {
 
         // Columns to the chip.
         self.mask_q.d.next = 0.into();
-        self.is_driven.d.next = self.writes.val() || self.columns_left.q.val().any();
-        self.drive_q.d.next = self.writes.val() || self.columns_left.q.val().any() || self.is_driven.q.val();
+        self.drives.next = self.writes.val() || self.columns_left.q.val().any();
+        self.is_driven.d.next = self.drives.val();
+        self.drive_q.d.next = self.drives.val() || self.is_driven.q.val();
         self.data_q.d.next = self.columns.q.val().get_bits::<16>(0);
         self.columns.d.next = self.columns.q.val() >> 16;
         self.masks.d.next = self.masks.q.val() >> 2;

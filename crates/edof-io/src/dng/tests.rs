@@ -462,7 +462,8 @@ fn a_tiff_with_a_mosaic_is_read_by_its_tags_whatever_its_name() {
 #[test]
 fn bad_pixels_are_repaired_by_the_colours_of_the_pattern_whatever_the_opcode_numbers_them() {
     let numbers = |all: &[u32]| -> Vec<u8> { all.iter().flat_map(|v| v.to_be_bytes()).collect() };
-    let value = |r: usize, c: usize| [1000, 2000, 3000][CfaPhase::Bggr.channel(r + 1, c + 1).plane()];
+    // Of the area; green begins the file's first row, where a number of 0 has red.
+    let value = |r: usize, c: usize| [1000, 2000, 3000][CfaPhase::Bggr.channel(r + 1, c).plane()];
     let points = [[4, 4], [5, 4], [5, 5], [8, 9]];
     for number in 0..5 {
         let list = [&[number, 4, 0][..], points.as_flattened()].concat();
@@ -471,10 +472,10 @@ fn bad_pixels_are_repaired_by_the_colours_of_the_pattern_whatever_the_opcode_num
         points.iter().for_each(|[r, c]| stored[(*r as usize, *c as usize)] = 0);
         let mut raw = pattern([2, 1, 1, 0]);
         raw.push(shorts(tags::BITS, &[16]));
-        raw.push(longs(tags::ACTIVE_AREA, &[1, 3, 13, 19]));
+        raw.push(longs(tags::ACTIVE_AREA, &[1, 2, 13, 18]));
         raw.push((tags::OPCODES_1.0, 7, [head, numbers(&list)].concat()));
         let frame = decoded(&file(&[words(&stored)], vec![], raw, None)).unwrap().frame;
-        let whole = Array2::from_shape_fn((12, 16), |(r, c)| value(r + 1, c + 3));
+        let whole = Array2::from_shape_fn((12, 16), |(r, c)| value(r + 1, c + 2));
         assert_eq!(difference(frame.pixels(), &light(&whole, 0.0, 65535.0)), 0, "phase {number}");
     }
 }

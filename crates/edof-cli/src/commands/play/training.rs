@@ -19,6 +19,7 @@ use edof_train::recipe::Recipe;
 use edof_train::train::Trainer;
 use serde::Serialize;
 use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -127,10 +128,12 @@ pub fn train(site: &Arc<Site>, state: &State) -> Result<(), Error> {
     training.is_cancelled.store(false, Ordering::SeqCst);
     let own = Arc::clone(site);
     std::thread::Builder::new().name("training".into()).spawn(move || {
-        let end = match learn(&own, lesson) {
-            Ok(done) => done,
-            Err(Error::Interrupted) => Status::Cancelled,
-            Err(error) => Status::Failed { error: error.to_string() },
+        let end = match catch_unwind(AssertUnwindSafe(|| learn(&own, lesson))) {
+            Ok(Ok(done)) => done,
+            Ok(Err(Error::Interrupted)) => Status::Cancelled,
+            Ok(Err(error)) => Status::Failed { error: error.to_string() },
+            // A fault of ours, said on the terminal: the page may begin another training.
+            Err(_) => Status::Failed { error: "it stopped by a fault of the program".to_owned() },
         };
         *own.training.locked() = end;
     })?;
