@@ -180,15 +180,23 @@ fn a_linear_picture_states_so_and_is_captured_as_light() {
     let place = Place::new();
     place.float_network("net.safetensors");
     flat(&place, "raw.pgm", 1024);
-    let captured = |options: &str| {
-        place
-            .edof(&format!(
-                "reconstruct raw.pgm --weights net.safetensors --float --bits 16 {options} --out a.png"
-            ))
-            .done();
-        let run = place.edof("capture a.png --psi 0 --camera clear --no-measure --out b.png").done();
+    let captured_as = |options: &str, name: &str| {
+        let line = "reconstruct raw.pgm --weights net.safetensors --float --bits 16";
+        let written = place.edof(&format!("{line} {options} --out {name}")).done();
+        assert_eq!(written.err.contains("a PPM has no place"), name.ends_with("ppm"), "{}", written.err);
+        let run =
+            place.edof(&format!("capture {name} --psi 0 --camera clear --no-measure --out b.png")).done();
         (raw::load(&place.path("b.png"), &RawOptions::default()).unwrap().pixels()[(16, 24)], run.err)
     };
+    let captured = |options: &str| captured_as(options, "a.png");
+    let (light, note) = captured_as("--tone srgb --gamma linear", "a.tif");
+    assert!(
+        light.abs_diff(16384) < 40 && note.contains("a.tif: states linear light (ICC profile)"),
+        "{light} {note}"
+    );
+    let (_, note) = captured_as("--tone srgb --gamma bt709", "a.tif");
+    assert!(note.contains("a.tif: states another curve (ICC profile"), "{note}");
+    captured_as("--tone srgb --gamma linear", "a.ppm");
     let (light, note) = captured("--tone srgb --gamma linear");
     assert!(
         light.abs_diff(16384) < 40 && note.contains("a.png: states linear light (gAMA 1)"),

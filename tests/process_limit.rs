@@ -1,4 +1,4 @@
-//! A limit of processes (`ulimit -u`): fewer threads, or an error that names the limit; never a panic.
+//! Limits of the shell. Of processes (`ulimit -u`): fewer threads, or an error that names the limit; never a panic. Of the stack (`ulimit -s`): no matter.
 
 use crate::support::{Place, Run};
 use std::collections::BTreeMap;
@@ -86,6 +86,26 @@ fn results_are_the_same_with_fewer_threads_and_without_any() {
             assert_eq!(without_numbers(&run.out), without_numbers(&free.out), "{line}");
             assert!(written(&place) == all, "{line}, {processes} processes");
         }
+    }
+}
+
+#[test]
+fn results_are_the_same_with_a_small_stack() {
+    let place = open();
+    for line in [
+        "--help",
+        "design check tiny",
+        "reconstruct raw.png --weights net.fixed.safetensors --out out.png",
+        "capture photo.png --psi 3 --noise 0.01 --out out.png",
+    ] {
+        let free = place.edof(line).done();
+        let all = written(&place);
+        let limit = ["-c", "ulimit -s 128; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_edof")];
+        let mut command = Command::new("sh");
+        command.args(limit).args(line.split_whitespace()).current_dir(place.path("."));
+        let run = Run::from(command.output().unwrap()).done();
+        assert_eq!(without_numbers(&run.out), without_numbers(&free.out), "{line}");
+        assert!(written(&place) == all, "{line}");
     }
 }
 

@@ -150,6 +150,11 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    threads::with_stack(whole)
+}
+
+/// The whole run, and the line of its failure.
+fn whole() -> ExitCode {
     match run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,

@@ -5,8 +5,20 @@ use std::io;
 use std::sync::mpsc::{Sender, channel};
 use std::thread::Builder;
 
+/// Bytes of the stack of a run: what Linux gives a program's first thread where no limit is set.
+const STACK: usize = 8 << 20;
+
 /// A thread that waits for its work.
 type Waiting = Sender<rayon::ThreadBuilder>;
+
+/// Returns what a run returns, on a thread whose stack no limit of the shell makes smaller (`ulimit -s`); where the system starts no thread, on this one.
+pub fn with_stack<T: Send>(run: fn() -> T) -> T {
+    let result = std::thread::scope(|scope| {
+        let started = Builder::new().name("main".to_owned()).stack_size(STACK).spawn_scoped(scope, run);
+        started.map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))).ok()
+    });
+    result.unwrap_or_else(run)
+}
 
 /// Starts the threads that all parallel work shares, with a remark if the system gives fewer than there are cores. Without any, the
 /// calling thread does all work. Results do not depend on the number.

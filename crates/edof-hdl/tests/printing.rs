@@ -101,7 +101,7 @@ module sequencer (
         count_q <= count_q + 4'd1;
         if (last) phase_q <= PHASE_DRAIN;
       end
-      default: phase_q <= PHASE_IDLE; // Phase::Drain
+      default: phase_q <= PHASE_IDLE; // PHASE_DRAIN
     endcase
   end
 endmodule

@@ -1,7 +1,7 @@
 //! Photographs: files to linear light and back. Sample values are taken as linear light, as the study does.
 
 use crate::gamut::Gamut;
-use crate::picture::{self, Format, PictureError};
+use crate::picture::{self, PictureError};
 use crate::samples::Samples;
 use crate::transfer::{Curve, Statement, Transfer};
 use edof_core::ColourFrame;
@@ -176,7 +176,7 @@ pub fn save(path: &Path, frame: &ColourFrame, bits: u32) -> Result<(), PhotoErro
     save_stated(path, frame, bits, None)
 }
 
-/// Writes sample values as [`save`] does. A PNG states their curve; other formats state none.
+/// Writes sample values as [`save`] does. A PNG or TIFF states their curve; a PPM has no place for it.
 ///
 /// # Errors
 /// As [`save`].
@@ -192,11 +192,8 @@ pub fn save_stated(
         _ => return Err(PhotoError::Bits { path: path.to_owned(), bits }),
     };
     let planes = frame.planes.mapv(|v| (v.clamp(0.0, 1.0) * f32::from(full_scale)).round() as u16);
-    let format = picture::format_of(path)?;
-    let mut bytes = picture::encode(&Samples { planes, full_scale }, format, path)?;
-    if let Some(curve) = curve.filter(|_| format == Format::Png) {
-        curve.put(&mut bytes);
-    }
+    let bytes =
+        picture::encode_stated(&Samples { planes, full_scale }, picture::format_of(path)?, curve, path)?;
     Ok(atomic::write(path, &bytes).map_err(PictureError::from)?)
 }
 
@@ -250,6 +247,22 @@ mod tests {
             for (a, b) in back.planes.iter().zip(&ramp().planes) {
                 assert!((a - b).abs() <= half_a_code * 1.01, "{ending} {bits}");
             }
+        }
+    }
+
+    #[test]
+    fn pngs_and_tiffs_state_their_curve_and_are_the_same_bytes_each_time() {
+        let dir = tempfile::tempdir().unwrap();
+        let written = |name: &str, curve| {
+            save_stated(&dir.path().join(name), &ramp(), 16, Some(curve)).unwrap();
+            std::fs::read(dir.path().join(name)).unwrap()
+        };
+        for name in ["a.png", "a.tif"] {
+            let linear = written(name, Statement::Linear);
+            assert_eq!(Transfer::of(&linear).map(|stated| stated.curve), Some(Curve::Linear), "{name}");
+            assert_eq!(linear, written(name, Statement::Linear));
+            let bt709 = Transfer::of(&written(name, Statement::Bt709)).map(|stated| stated.curve);
+            assert!(matches!(bt709, Some(Curve::Other(_))), "{name}: {bt709:?}");
         }
     }
 

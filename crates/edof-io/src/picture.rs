@@ -4,6 +4,7 @@ use crate::orientation::{Orientation, turned};
 use crate::png_chunks::chunks;
 use crate::samples::Samples;
 use crate::tiff::{Tiff, TiffError, directory};
+use crate::transfer::Statement;
 use crate::{camera_raw, pnm};
 use edof_core::storage::input;
 use image::codecs::jpeg::JpegDecoder;
@@ -11,7 +12,8 @@ use image::codecs::png::PngEncoder;
 use image::codecs::tiff::{TiffDecoder, TiffEncoder};
 use image::codecs::webp::WebPDecoder;
 use image::{
-    ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult, Limits,
+    ColorType, DynamicImage, ImageDecoder, ImageEncoder, ImageError, ImageFormat, ImageReader, ImageResult,
+    Limits,
 };
 use ndarray::{Array3, ShapeError};
 use std::fs::File;
@@ -433,23 +435,44 @@ pub fn save(path: &Path, samples: &Samples) -> Result<(), PictureError> {
 /// # Errors
 /// [`PictureError::Encode`].
 pub fn encode(samples: &Samples, format: Format, path: &Path) -> Result<Vec<u8>, PictureError> {
+    encode_stated(samples, format, None, path)
+}
+
+/// Does so, and states a curve where the format can (PNG, TIFF).
+pub(crate) fn encode_stated(
+    samples: &Samples,
+    format: Format,
+    curve: Option<Statement>,
+    path: &Path,
+) -> Result<Vec<u8>, PictureError> {
     if format == Format::Pnm {
         return Ok(pnm::encode(samples));
     }
     let (_, height, width) = samples.planes.dim();
     let failed = |reason: String| PictureError::Encode { path: path.to_owned(), width, height, reason };
-    picture(samples).and_then(|image| encoded(&image, format)).map_err(failed)
+    picture(samples).and_then(|image| encoded(&image, format, curve)).map_err(failed)
 }
 
 /// As PNG, or else as TIFF.
-fn encoded(image: &DynamicImage, format: Format) -> Result<Vec<u8>, String> {
-    let mut bytes = Cursor::new(Vec::new());
-    match format {
-        Format::Png => image.write_with_encoder(PngEncoder::new(&mut bytes)),
-        _ => image.write_with_encoder(TiffEncoder::new(&mut bytes)),
+fn encoded(image: &DynamicImage, format: Format, curve: Option<Statement>) -> Result<Vec<u8>, String> {
+    let mut file = Cursor::new(Vec::new());
+    let written = match format {
+        Format::Png => image.write_with_encoder(PngEncoder::new(&mut file)),
+        _ => {
+            let mut encoder = TiffEncoder::new(&mut file);
+            if let Some(curve) = curve {
+                let profile = curve.profile().map_err(|e| e.to_string())?;
+                encoder.set_icc_profile(profile).map_err(|e| e.to_string())?;
+            }
+            image.write_with_encoder(encoder)
+        }
+    };
+    written.map_err(|e| e.to_string())?;
+    let mut bytes = file.into_inner();
+    if let (Format::Png, Some(curve)) = (format, curve) {
+        curve.put(&mut bytes);
     }
-    .map_err(|e| e.to_string())?;
-    Ok(bytes.into_inner())
+    Ok(bytes)
 }
 
 fn picture(samples: &Samples) -> Result<DynamicImage, String> {

@@ -9,7 +9,12 @@ use crate::png_chunks::{chunks, insert};
 use crate::profile::{Profile, between};
 use crate::tiff::Tiff;
 use edof_core::Tone;
+use moxcms::{
+    CicpColorPrimaries, CicpProfile, CmsError, ColorProfile, LocalizableString, MatrixCoefficients,
+    ProfileText, TransferCharacteristics,
+};
 use std::fmt::{self, Display, Formatter};
+use std::ops::Range;
 
 /// Transfer curve that a file states, and where it states it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -31,12 +36,15 @@ pub enum Curve {
     Other(&'static str),
 }
 
-/// Curve that the program states in the PNGs that it writes.
+/// Where a profile has its date: year, month, day, hour, minute, second (ICC.1:2010, section 7.2).
+const DATE: Range<usize> = 24..36;
+
+/// Curve that the program states in the PNGs and TIFFs that it writes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Statement {
-    /// Samples are linear light: gAMA 1.
+    /// Samples are linear light: gAMA 1, or a profile.
     Linear,
-    /// Samples are codes of BT.709's curve: cICP 1.
+    /// Samples are codes of BT.709's curve: cICP 1, or a profile.
     Bt709,
 }
 
@@ -47,6 +55,32 @@ impl Statement {
             Self::Linear => insert(png, *b"gAMA", &100_000u32.to_be_bytes()),
             Self::Bt709 => insert(png, *b"cICP", &[1, 1, 0, 1]),
         }
+    }
+
+    /// Returns an ICC profile of the curve and sRGB's primaries.
+    pub(crate) fn profile(self) -> Result<Vec<u8>, CmsError> {
+        let (transfer_characteristics, name) = match self {
+            Self::Linear => (TransferCharacteristics::Linear, "sRGB, linear light"),
+            Self::Bt709 => (TransferCharacteristics::Bt709, "sRGB, BT.709's curve"),
+        };
+        let mut profile = ColorProfile::new_from_cicp(CicpProfile {
+            color_primaries: CicpColorPrimaries::Bt709,
+            transfer_characteristics,
+            matrix_coefficients: MatrixCoefficients::Identity,
+            full_range: true,
+        });
+        let text = |text: &str| {
+            Some(ProfileText::Localizable(vec![LocalizableString::new(
+                "en".into(),
+                "US".into(),
+                text.into(),
+            )]))
+        };
+        (profile.description, profile.copyright) = (text(name), text("Public domain"));
+        let mut profile = profile.encode()?;
+        // Its date is that of the run; the same picture has the same bytes.
+        profile[DATE].copy_from_slice(&[2000, 1, 1, 0, 0, 0].map(u16::to_be_bytes).concat());
+        Ok(profile)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::names::snake_case;
 use crate::scope::{Role, SignalId};
 use crate::write::Writer;
 
@@ -9,7 +10,8 @@ impl Writer<'_> {
     /// The block's documentation, which outputs follow which inputs, and the Rust file.
     pub fn header(&self) -> String {
         let line = |line: &str| format!("// {line}").trim_end().to_string() + "\n";
-        let text: String = reflowed(self.description.header).iter().map(|text| line(text)).collect();
+        let text = reflowed(&without_links(self.description.header));
+        let text: String = text.iter().map(|text| line(text)).collect();
         let follows: String = self.follows().iter().map(|text| line(text)).collect();
         let source = format!("// From {} ({}).\n", self.source, self.description.name);
         let space = if follows.is_empty() { "" } else { "//\n" };
@@ -36,6 +38,16 @@ impl Writer<'_> {
     }
 }
 
+/// A header whose links to other blocks (`` [`AxiGuard`] ``) are the names of their modules (`axi_guard`).
+fn without_links(header: &str) -> String {
+    let mut parts = header.split("[`");
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |text, part| match part.split_once("`]") {
+        Some((name, rest)) => text + &snake_case(name) + rest,
+        None => text + "[`" + part,
+    })
+}
+
 /// A header's paragraphs, a line each, with an empty line between them. Items of lists keep their lines.
 fn reflowed(header: &str) -> Vec<String> {
     let mut lines: Vec<String> = vec![];
@@ -47,4 +59,18 @@ fn reflowed(header: &str) -> Vec<String> {
         }
     }
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_to_blocks_become_names_of_modules() {
+        assert_eq!(
+            without_links("At its port: an [`AxiGuard`], a [`Ram`]."),
+            "At its port: an axi_guard, a ram."
+        );
+        assert_eq!(without_links("`x`, [`cut and [0]"), "`x`, [`cut and [0]");
+    }
 }

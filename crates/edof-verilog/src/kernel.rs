@@ -41,7 +41,7 @@ pub(crate) struct Note {
 }
 
 impl Note {
-    /// The label that a last arm has in Rust.
+    /// The label of a last arm, which Verilog calls `default`.
     pub fn label(&self) -> Option<&str> {
         (self.is_own && !self.text.contains('\n')).then_some(self.text.as_str())
     }
@@ -315,7 +315,7 @@ fn is_exhaustive(arms: &[Arm], ty: Type) -> bool {
 /// The last arm of a match without `_` covers also what no state is encoded as.
 fn last_as_default(arm: Arm) -> Vec<Statement> {
     let note = match arm.label {
-        Label::State(state) => format!("{}::{}", state.label.0, state.label.1),
+        Label::State(state) => state.constant(),
         Label::Number(number) => number.to_string(),
     };
     std::iter::once(Statement::Comment(Note::own(&note))).chain(arm.body).collect()

@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use crate::expression::{Expression, Node};
-use crate::names::{Names, snake_case};
+use crate::names::Names;
 use crate::scope::{Role, Scope, SignalId, State};
 use crate::text::{Form, Text, Use, convert, literal, range};
 use crate::types::Type;
@@ -222,8 +222,7 @@ impl<'a> Printer<'a> {
         if let Some((name, _)) = self.states.get(&key) {
             return name.clone();
         }
-        let wanted = format!("{}_{}", snake_case(&state.label.0), snake_case(&state.label.1)).to_uppercase();
-        let name = self.names.take(&wanted);
+        let name = self.names.take(&state.constant());
         self.states.insert(key, (name.clone(), state.clone()));
         name
     }

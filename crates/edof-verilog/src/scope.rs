@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, HashMap};
 
 use rust_hdl::prelude::{AtomKind, TypeDescriptor, TypeKind, clog2};
 
-use crate::leaf::Leaf;
-
 use crate::collect::{Tree, Wire};
 use crate::error::{EmitError, Fault};
+use crate::leaf::Leaf;
+use crate::names::snake_case;
 use crate::source;
 use crate::types::Type;
 
@@ -71,6 +71,13 @@ pub(crate) struct State {
     pub bits: usize,
     /// How many states the enum has.
     pub of: usize,
+}
+
+impl State {
+    /// Returns the name that its constant has in Verilog where no other has it: `PHASE_IDLE` of `Phase::Idle`.
+    pub fn constant(&self) -> String {
+        format!("{}_{}", snake_case(&self.label.0), snake_case(&self.label.1)).to_uppercase()
+    }
 }
 
 /// What a constant is printed as, other than by the name of its field.

@@ -59,6 +59,8 @@ pub enum FrameNote {
         noise: Noise,
         better: Option<String>,
     },
+    /// The picture's file has no place to state its curve, which is not sRGB's.
+    CurveNotStated { path: PathBuf },
     /// The board leaves out what the frame's file, its record or the user asks for.
     NotFinished { path: PathBuf, left_out: Vec<&'static str> },
 }

@@ -173,6 +173,10 @@ impl Wording<'_> {
                 format!("{}: is not a raw-frame record of edof; passed over", path.display())
             }
             FrameNote::RawFile { path, text } => format!("{}: {text}", path.display()),
+            FrameNote::CurveNotStated { path } => format!(
+                "{}: a PPM has no place to state its curve, and other programs will take it for sRGB's; .png and .tif state it",
+                path.display()
+            ),
             FrameNote::NotFinished { path, left_out } => {
                 format!("{}: not applied, as the board does not: {}", path.display(), left_out.join(", "))
             }

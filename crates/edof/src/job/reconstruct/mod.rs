@@ -18,7 +18,8 @@ use edof_core::{ColourFrame, DisplayMode, Frame422, RawFrame, Reconstructor, Str
 use edof_golden::words::Boundary;
 use edof_golden::{Counts, Curve, Display, DisplayCounts, Golden, Picture};
 use edof_gpu::{GpuFloat, GpuGolden};
-use edof_io::photo;
+use edof_io::photo::{self, PhotoError};
+use edof_io::picture::{self, Format};
 use edof_io::transfer::Statement;
 use edof_network::FixedNetwork;
 use edof_network::float::reconstruct::{FloatReconstructor, Output};
@@ -159,7 +160,7 @@ impl ReconstructJob {
         let result = method.reconstruct_exposures(&light).map_err(|e| self.failed(e))?;
         Ok(Reconstructed {
             method: method.name().to_owned(),
-            size: self.save(result.frame, taken)?,
+            size: self.save(result.frame, taken, note)?,
             tone: self.tone(taken),
             seconds: result.seconds,
             multiplications: result.multiplications,
@@ -202,7 +203,7 @@ impl ReconstructJob {
         } else {
             let mut light = out.colour();
             values.lighten(&mut light);
-            self.save(light, &taken)?
+            self.save(light, &taken, note)?
         };
         if let Some(folder) = &options.words {
             save_words(folder, &golden.words(&raw).map_err(|e| self.failed(e))?, &out.frame, &picture)?;
@@ -237,7 +238,12 @@ impl ReconstructJob {
     }
 
     /// Writes a picture of the network's light; returns its rows and columns.
-    fn save(&self, mut light: ColourFrame, taken: &Taken) -> Result<(usize, usize), JobError> {
+    fn save(
+        &self,
+        mut light: ColourFrame,
+        taken: &Taken,
+        note: &dyn Fn(FrameNote),
+    ) -> Result<(usize, usize), JobError> {
         taken.finish.correct(&mut light);
         taken.rendering.apply(&mut light);
         let (tone, light) = (self.tone(taken), taken.finish.frame(light));
@@ -249,6 +255,9 @@ impl ReconstructJob {
             (Tone::Srgb, Curve::Bt709) => Some(Statement::Bt709),
             (Tone::Linear, _) | (_, Curve::Srgb) => None,
         };
+        if stated.is_some() && picture::format_of(&self.out).map_err(PhotoError::from)? == Format::Pnm {
+            note(FrameNote::CurveNotStated { path: self.out.clone() });
+        }
         photo::save_stated(&self.out, &picture, self.bits, stated)?;
         Ok(picture.size())
     }
