@@ -6,7 +6,8 @@
 // Resets: the core is in reset until the PLL of its clock is locked, and while FIRE1 is pressed; the calculator's domain alone while the PLL of its
 // clock is not locked.
 //
-// LEDs: 0 the memory is ready; 3 pictures leave the memory; 7 the clocks of core, calculator and screen are locked.
+// LEDs: 0 the memory is ready; 1 video comes in; 2 it has the design's size; 3 pictures leave the memory; 4 the camera is set up; 5 its set-up failed;
+// 7 the clocks of core, calculator and screen are locked.
 `default_nettype none
 module ulx3s_top (
     input  wire       clk_25mhz,
@@ -19,6 +20,12 @@ module ulx3s_top (
     output wire [3:0] gpdi_dp,
     // High: the ESP32 keeps running its program.
     output wire       wifi_gpio0,
+    // The camera, an OV7670: its clocks, frames, pins and bus.
+    output wire       camera_xclk,
+    input  wire       camera_pclk, camera_vsync, camera_href,
+    input  wire [7:0] camera_d,
+    output wire       camera_pwdn, camera_resetn,
+    inout  wire       camera_sioc, camera_siod,
     // The memory of frames.
     output wire       sdram_clk, sdram_cke, sdram_csn, sdram_rasn, sdram_casn, sdram_wen,
     output wire [1:0] sdram_ba, sdram_dqm,
@@ -83,8 +90,8 @@ module ulx3s_top (
         calculator_reset_q <= !calculator_locked_seen;
     end
 
-    wire [3:0] states;
-    assign led = {core_locked_seen & calculator_locked_seen & bits_locked_seen, 3'b000, states};
+    wire [5:0] states;
+    assign led = {core_locked_seen & calculator_locked_seen & bits_locked_seen, 1'b0, states};
     assign wifi_gpio0 = 1'b1;
 
     // The SDRAM's clock is the core's inverted, by the same cell at the pin as the data: its edges are in the middle of what the pins say.
@@ -108,10 +115,26 @@ module ulx3s_top (
         end
     endgenerate
 
+    // The camera's clock is the board's. Its bytes change with the fall of its pixel clock, and the registers at their pins see them at its rise.
+    ODDRX1F camera_clock (.SCLK(clk_25mhz), .RST(1'b0), .D0(1'b1), .D1(1'b0), .Q(camera_xclk));
+    wire [9:0] from_camera;
+    wire [9:0] of_camera = {camera_vsync, camera_href, camera_d};
+    wire [1:0] camera_on, bus_low, bus_level;
+    generate
+        for (i = 0; i < 10; i = i + 1) begin : camera
+            IFS1P3DX in (.SCLK(camera_pclk), .CD(1'b0), .SP(1'b1), .D(of_camera[i]), .Q(from_camera[i]));
+        end
+    endgenerate
+    assign camera_pwdn = !camera_on[0], camera_resetn = camera_on[1];
+    BB sioc_pad (.I(1'b0), .T(!bus_low[0]), .O(bus_level[0]), .B(camera_sioc));
+    BB siod_pad (.I(1'b0), .T(!bus_low[1]), .O(bus_level[1]), .B(camera_siod));
+
     ulx3s_core core (
         .clock_i(core_clock), .calculator_clock_i(calculator_clock), .screen_clock_i(clk_25mhz), .bit_clock_i(bit_clock),
         .reset_i(reset_q), .calculator_reset_i(calculator_reset_q),
         .uart_receive_i(ftdi_txd), .uart_transmit_o(ftdi_rxd), .dvi_o(gpdi_dp), .leds_o(states),
+        .camera_clock_i(camera_pclk), .camera_vs_i(from_camera[9]), .camera_href_i(from_camera[8]), .camera_data_i(from_camera[7:0]),
+        .camera_on_o(camera_on), .camera_scl_i(bus_level[0]), .camera_sda_i(bus_level[1]), .camera_scl_low_o(bus_low[0]), .camera_sda_low_o(bus_low[1]),
         .sdram_command_o(to_sdram[19:17]), .sdram_bank_o(to_sdram[16:15]), .sdram_address_o(to_sdram[14:2]),
         .sdram_mask_o(to_sdram[1:0]), .sdram_data_out_o(data_to), .sdram_drive_o(drive), .sdram_data_in_i(data_from)
     );

@@ -207,11 +207,13 @@ fn a_design_for_another_board_is_estimated_and_what_the_board_lacks_is_named() {
     assert_eq!(json(&place, "open.json")["board"], "ulx3s");
     let check = place.edof("design check open.json").done().out;
     assert!(check.contains(" MULT18X18D, ") && check.contains("of an LFE5U-85F"), "{check}");
-    let screen =
-        "60 frames per second at a pixel clock of 25.00 MHz, in the middle of a screen of 640x480; no input";
+    let screen = "60 frames per second at a pixel clock of 25.00 MHz, in the middle of a screen of 640x480; 31 from a camera";
     assert!(check.contains(screen), "{check}");
     let estimate = place.edof("estimate --design open.json").done().out;
-    assert!(estimate.contains("DP16KD") && estimate.contains("board ulx3s has no video input"), "{estimate}");
+    assert!(
+        estimate.contains("DP16KD") && estimate.contains("board ulx3s takes no video by cable"),
+        "{estimate}"
+    );
     place.edof("random-network --design open.json --out random.fixed.safetensors").done();
     let network = "--design open.json --weights random.fixed.safetensors";
     for (line, message) in [
@@ -220,10 +222,10 @@ fn a_design_for_another_board_is_estimated_and_what_the_board_lacks_is_named() {
             "--size 2048x1040: must be at most 2097152 pixels, which a buffer holds",
         ),
         (format!("generate {network} --out out --shell litex"), "board ulx3s has no shell 'litex'"),
-        ("board sim --design open.json".to_owned(), "board ulx3s has no video input; add --rtl"),
+        ("board sim --design open.json".to_owned(), "board ulx3s takes no video by cable; add --rtl"),
         (
             "board sim --rtl --design open.json --picture p.png".to_owned(),
-            "--picture: board ulx3s has no video input",
+            "--picture: board ulx3s takes no video by cable",
         ),
         (
             "explore --design open.json --weights random.fixed.safetensors --device xc7k325t".to_owned(),

@@ -51,8 +51,13 @@ endmodule
 // What the top sees of a core: its line goes back inverted, its LEDs and the pairs of its screen are alternate, and each pin of its memory has a word of its own.
 module ulx3s_core (
     input  wire clock_i, calculator_clock_i, screen_clock_i, bit_clock_i, reset_i, calculator_reset_i, uart_receive_i,
+    input  wire camera_clock_i, camera_vs_i, camera_href_i, camera_scl_i, camera_sda_i,
+    input  wire [7:0] camera_data_i,
+    output reg  [1:0] camera_on_o,
+    output reg  camera_scl_low_o, camera_sda_low_o,
     output wire uart_transmit_o,
-    output wire [3:0] dvi_o, leds_o,
+    output wire [3:0] dvi_o,
+    output wire [5:0] leds_o,
     output reg  [2:0] sdram_command_o,
     output reg  [1:0] sdram_bank_o, sdram_mask_o,
     output reg  [12:0] sdram_address_o,
@@ -61,8 +66,9 @@ module ulx3s_core (
     input  wire [15:0] sdram_data_in_i
 );
     assign uart_transmit_o = !uart_receive_i;
-    assign leds_o = 4'b0101, dvi_o = 4'b0110;
+    assign leds_o = 6'b010101, dvi_o = 4'b0110;
     initial begin
+        {camera_on_o, camera_scl_low_o, camera_sda_low_o} = 4'b0000;
         {sdram_command_o, sdram_bank_o, sdram_mask_o, sdram_drive_o} = {3'd5, 2'd2, 2'd1, 1'b0};
         {sdram_address_o, sdram_data_out_o} = {13'h1234, 16'hbeef};
     end
@@ -72,6 +78,11 @@ module ulx3s_top_bench;
     reg clk_25mhz = 1'b0, btn_fire1 = 1'b0, ftdi_txd = 1'b1;
     wire [7:0] led;
     wire [3:0] gpdi_dp;
+    reg camera_pclk = 1'b0;
+    reg [9:0] camera_says = 10'd0;
+    wire camera_xclk, camera_pwdn, camera_resetn, camera_sioc, camera_siod;
+    pullup (camera_sioc);
+    pullup (camera_siod);
     wire ftdi_rxd, wifi_gpio0, sdram_clk, sdram_cke, sdram_csn, sdram_rasn, sdram_casn, sdram_wen;
     wire [1:0] sdram_ba, sdram_dqm;
     wire [12:0] sdram_a;
@@ -81,6 +92,8 @@ module ulx3s_top_bench;
     always #20000 clk_25mhz = !clk_25mhz;
     ulx3s_top dut (
         .clk_25mhz(clk_25mhz), .btn_fire1(btn_fire1), .led(led), .ftdi_txd(ftdi_txd), .ftdi_rxd(ftdi_rxd), .gpdi_dp(gpdi_dp), .wifi_gpio0(wifi_gpio0),
+        .camera_xclk(camera_xclk), .camera_pclk(camera_pclk), .camera_vsync(camera_says[9]), .camera_href(camera_says[8]), .camera_d(camera_says[7:0]),
+        .camera_pwdn(camera_pwdn), .camera_resetn(camera_resetn), .camera_sioc(camera_sioc), .camera_siod(camera_siod),
         .sdram_clk(sdram_clk), .sdram_cke(sdram_cke), .sdram_csn(sdram_csn), .sdram_rasn(sdram_rasn), .sdram_casn(sdram_casn),
         .sdram_wen(sdram_wen), .sdram_ba(sdram_ba), .sdram_dqm(sdram_dqm), .sdram_a(sdram_a), .sdram_d(sdram_d)
     );
@@ -105,6 +118,7 @@ module ulx3s_top_bench;
                     0: @(posedge dut.core.clock_i);
                     1: @(posedge dut.core.calculator_clock_i);
                     2: @(posedge dut.core.screen_clock_i);
+                    4: @(posedge camera_xclk);
                     default: @(posedge dut.core.bit_clock_i);
                 endcase
                 if (cycle == 0) begun = $realtime;
@@ -125,12 +139,30 @@ module ulx3s_top_bench;
     initial begin
         #20000000;
         if (dut.core.reset_i || dut.core.calculator_reset_i) fail("a reset does not end");
-        if (led !== 8'b10000101) fail("LEDs");
+        if (led !== 8'b10010101) fail("LEDs");
         if (wifi_gpio0 !== 1'b1) fail("the ESP32 is held");
         measure(0, @core_ps@);
         measure(1, @calculator_ps@);
         measure(2, 40000.0);
         measure(3, 8000.0);
+        measure(4, 40000.0);
+        // The camera is off until the core lets it on; its bus is pulled down and let go.
+        if ({camera_pwdn, camera_resetn, camera_sioc, camera_siod} !== 4'b1011) fail("the camera's pins before its set-up");
+        dut.core.camera_on_o = 2'b01;
+        dut.core.camera_scl_low_o = 1'b1;
+        #1000 if ({camera_pwdn, camera_resetn, camera_sioc, camera_siod} !== 4'b0001) fail("the camera out of power-down");
+        if ({dut.core.camera_scl_i, dut.core.camera_sda_i} !== 2'b01) fail("the camera's bus");
+        dut.core.camera_on_o = 2'b10;
+        {dut.core.camera_scl_low_o, dut.core.camera_sda_low_o} = 2'b01;
+        #1000 if ({camera_pwdn, camera_resetn, camera_sioc, camera_siod} !== 4'b1110) fail("the camera out of reset");
+        if ({dut.core.camera_scl_i, dut.core.camera_sda_i} !== 2'b10) fail("the camera's bus");
+        // What changes with the fall of its clock is seen from the next rise on.
+        camera_says = 10'b10_1010_0110;
+        #40000 camera_pclk = 1'b1;
+        #1000 if ({dut.core.camera_vs_i, dut.core.camera_href_i, dut.core.camera_data_i} !== 10'b10_1010_0110) fail("the camera's pins");
+        #39000 camera_pclk = 1'b0;
+        camera_says = 10'b01_0101_1001;
+        #45000 if ({dut.core.camera_vs_i, dut.core.camera_href_i, dut.core.camera_data_i} !== 10'b10_1010_0110) fail("a register at the camera's pins");
         if (gpdi_dp !== 4'b0110) fail("the screen");
         if ({sdram_cke, sdram_csn, sdram_rasn, sdram_casn, sdram_wen} !== 5'b10101) fail("the SDRAM's command");
         if (sdram_ba !== 2'd2 || sdram_dqm !== 2'd1 || sdram_a !== 13'h1234) fail("the SDRAM's address");

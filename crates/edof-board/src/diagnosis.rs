@@ -1,8 +1,8 @@
 //! How the video chips are, in words: what each of them waits for, or that it works.
 
 use crate::status::StatusSnapshot;
-use edof_device::board::Board;
-use edof_device::i2c::{self, Cause};
+use edof_device::board::{Board, Source};
+use edof_device::i2c::{Cause, Entry};
 use edof_device::video::VideoTiming;
 use serde::Serialize;
 
@@ -33,22 +33,29 @@ const COLOUR_SPACES: [&str; 9] = [
 /// All chips of a board with video, in the order in which a picture passes them; none of a board without.
 #[must_use]
 pub fn findings(board: &Board, look: &StatusSnapshot) -> Vec<Finding> {
-    if board.video_in.is_none() {
-        return vec![];
-    }
+    let Some(video) = &board.video_in else { return vec![] };
     let finding = |about, result: Result<String, String>| {
         let is_good = result.is_ok();
         Finding { about, is_good, text: result.unwrap_or_else(|missing| missing) }
     };
-    vec![
-        finding("receiver", set_up(look, "i2c_card", 1).and_then(|()| receiver(look))),
-        finding("input", input(look)),
-        finding("transmitter", set_up(look, "i2c_board", 0).and_then(|()| transmitter(look))),
-    ]
+    let from_video = finding("input", input(look, &video.source));
+    let mode = match video.source {
+        Source::Cable { .. } => VideoTiming::P1080_60,
+        Source::Camera { timing, .. } => timing,
+    };
+    let of_input = set_up(look, "i2c_card", &(video.setup.program)(mode));
+    if let Source::Camera { .. } = video.source {
+        return vec![finding("camera", of_input.map(|()| "set up".into())), from_video];
+    }
+    let output = board.video_out.as_ref().and_then(|video| video.setup.as_ref());
+    let of_output = output.map(|setup| set_up(look, "i2c_board", &(setup.program)(mode)));
+    let receives = finding("receiver", of_input.and_then(|()| receiver(look)));
+    let transmits = of_output.map(|done| finding("transmitter", done.and_then(|()| transmitter(look))));
+    [receives, from_video].into_iter().chain(transmits).collect()
 }
 
 /// Whether the chips of a bus are set up.
-fn set_up(look: &StatusSnapshot, register: &str, bus: usize) -> Result<(), String> {
+fn set_up(look: &StatusSnapshot, register: &str, program: &[Entry]) -> Result<(), String> {
     let value = |field: &str| look.value(&format!("{register}.{field}"));
     if value("done") == 1 {
         return Ok(());
@@ -57,7 +64,6 @@ fn set_up(look: &StatusSnapshot, register: &str, bus: usize) -> Result<(), Strin
     if value("failed") == 0 {
         return Err(format!("is being set up, entry {entry}"));
     }
-    let program = &i2c::programs(VideoTiming::P1080_60)[bus];
     let step = program.get(entry as usize).map_or("", |entry| entry.doc);
     let cause = Cause::of_number(value("cause"));
     let told = cause.map_or_else(|| "fails".to_owned(), |cause| cause.to_string());
@@ -68,6 +74,7 @@ fn set_up(look: &StatusSnapshot, register: &str, bus: usize) -> Result<(), Strin
         (_, 0x70) => "is the FMC-IMAGEON seated in the LPC connector (J2), and VADJ on?",
         (_, 0x20) => "the card's expander: is its power good?",
         (_, 0x74) => "the board's own multiplexer: its reset must be high",
+        (_, 0x21) => "are the camera's wires in, and its 3.3 V?",
         (_, 0x39) => "the board's transmitter: is its power good?",
         _ => "is the receiver out of reset, and its power good?",
     };
@@ -108,10 +115,13 @@ fn receiver(look: &StatusSnapshot) -> Result<String, String> {
     Err(missing)
 }
 
-/// From the receiver's pins to the core.
-fn input(look: &StatusSnapshot) -> Result<String, String> {
+/// From the pins of the receiver or of a camera to the core.
+fn input(look: &StatusSnapshot, source: &Source) -> Result<String, String> {
     let is = |name: &str| look.value(name) == 1;
-    if look.value("input_codes") == 0 {
+    let is_camera = matches!(source, Source::Camera { .. });
+    if is_camera && !is("status.input_present") {
+        Err("no frames: the camera's clock or its vertical sync does not come".into())
+    } else if !is_camera && look.value("input_codes") == 0 {
         Err("no sync codes come from the receiver: its clock does not run, or 'edof board align' is needed"
             .into())
     } else if !is("status.input_present") {

@@ -130,7 +130,7 @@ pub struct Estimated<'a> {
     pub stages: Vec<Resources>,
     /// Cells of all.
     pub total: Resources,
-    /// From video input to output at the design's clock, with standard timing, where the board has both.
+    /// From video input to output at the design's clock, with standard timing, where the board has both by cable.
     pub board: Option<Figures>,
 }
 

@@ -2,8 +2,8 @@
 
 use crate::estimate::Estimated;
 use edof_device::Design;
-use edof_device::board::Frames;
 use edof_device::board::part::Cells;
+use edof_device::board::{Frames, Source};
 use edof_device::design::DesignError;
 use edof_device::video::VideoTiming;
 use serde::Serialize;
@@ -68,7 +68,13 @@ impl Promise {
                     true => String::new(),
                     false => format!(", in the middle of a screen of {}", screen.size()),
                 };
-                let input = if design.board.video_in.is_none() { "; no input" } else { "" };
+                let input = match design.board.video_in.as_ref().map(|video| &video.source) {
+                    Some(Source::Camera { timing, .. }) => {
+                        format!("; {:.0} from a camera", timing.frames_per_second())
+                    }
+                    Some(Source::Cable { .. }) => String::new(),
+                    None => "; no input".to_owned(),
+                };
                 format!("{rate:.0} frames per second at a pixel clock of {mhz:.2} MHz{around}{input}")
             }
             None if design.board.video_out.is_none() => format!("none on board {}", design.board.name),

@@ -11,6 +11,7 @@ mod both_simulators;
 mod cables;
 mod calculator_clock;
 mod calculator_port;
+mod camera;
 mod chain;
 mod chain_in_rust;
 mod checking;

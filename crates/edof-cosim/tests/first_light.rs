@@ -1,14 +1,15 @@
-//! First light of the ULX3S without a camera: hosts talk to everything between its pins by the serial line alone, and every word is the golden
-//! pipeline's.
+//! First light of the ULX3S, without a camera and with one: hosts talk to everything between its pins by the serial line alone, and every word is the
+//! golden pipeline's.
 
 use crate::common::{committed, moderate};
 use crate::support;
 use edof_board::Board;
-use edof_board::chip_models::Timing;
+use edof_board::chip_models::{Ov7670, Timing};
 use edof_board::link::PATIENCE;
 use edof_board::load::Job;
 use edof_board::self_test::SelfTest;
-use edof_core::{DisplayMode, RawFrame};
+use edof_core::draw::Draw;
+use edof_core::{CfaPhase, DisplayMode, RawFrame};
 use edof_cosim::system::{self, FirstLight, Speed, first_light};
 use edof_device::Design;
 use edof_device::board::ULX3S;
@@ -18,6 +19,7 @@ use edof_hdl::project::Project;
 use edof_network::FixedNetwork;
 use ndarray::Array2;
 use std::ops::ControlFlow;
+use std::rc::Rc;
 
 /// Fewer cycles per bit than on the board; all else is the same.
 const FAST: u32 = 6_250_000;
@@ -100,13 +102,14 @@ fn a_host_tries_every_part_loads_a_network_and_gets_golden_pictures_over_the_lin
     let test = SelfTest { design: &design, golden: &golden, display: &display(), clocks: true };
     let items = board.self_test(&test, &mut |_, _| ControlFlow::Continue(())).unwrap();
     assert!(items.iter().all(|item| item.passed), "{items:?}");
-    assert_eq!(items.last().unwrap().detail, "at 50 MHz of the core: screen 25.00 MHz, input 50.00 MHz");
+    assert_eq!(items.last().unwrap().detail, "at 50 MHz of the core: screen 25.00 MHz, input 0.00 MHz");
 
     goes_round(&mut board, &frames[0], &first);
     let job = Job { design: &design, network: &second, bank: None, full: true, read_back: true, known: &[] };
     board.load(&job, &mut |_, _| ControlFlow::Continue(())).unwrap();
     goes_round(&mut board, &frames[1], &second);
-    assert_eq!(simulated.leds().unwrap(), 0b1001);
+    // The set-up of a camera that is not there has failed.
+    assert_eq!(simulated.leds().unwrap(), 0b10_1001);
 
     // A reset in the midst of bursts: the memory completes them, and the network stays.
     simulated.reset().unwrap();
@@ -131,4 +134,63 @@ fn a_memory_that_loses_a_word_is_found() {
     let items = board.self_test(&test, &mut |_, _| ControlFlow::Continue(())).unwrap();
     let failed: Vec<&str> = items.iter().filter(|item| !item.passed).map(|item| item.part).collect();
     assert_eq!(failed, ["raw memory"], "{items:?}");
+}
+
+/// Light on a camera's pixels.
+fn light(seed: u64) -> impl Fn(usize, usize) -> [u8; 3] {
+    move |column, row| {
+        let draw = &mut Draw::new(seed << 32 | (row * 656 + column) as u64);
+        [0, 1, 2].map(|_| draw.whole(0, 255) as u8)
+    }
+}
+
+/// The raw frame of it: the middle of the usual picture, which is eight columns and four rows inside of the pixels, from its first red one on.
+fn lit(seed: u64) -> RawFrame {
+    let (size, light) = (design().frame, light(seed));
+    let (left, top) = (8 + (640 - size.width) / 2 + 1, 4 + (480 - size.height) / 2 + 1);
+    let values = Array2::from_shape_fn((size.height, size.width), |(row, column)| {
+        u16::from(light(left + column, top + row)[row % 2 + column % 2])
+    });
+    RawFrame::from_values(values, 8, CfaPhase::Rggb).unwrap()
+}
+
+/// Every boundary has the golden words of the camera's frame.
+fn camera_goes_round(simulated: &mut FirstLight, raw: &RawFrame, golden: &Golden) {
+    let mut go_on = |_, _| ControlFlow::Continue(());
+    let mut board = Board::open(simulated, PATIENCE).unwrap();
+    let expected = golden.checks(&display(), raw).unwrap();
+    assert_eq!(board.check_frames(&expected, 1, &mut go_on).unwrap().difference, None);
+    for register in ["input_wrong", "input_overruns", "input_range"] {
+        assert_eq!(board.get(register.parse().unwrap()).unwrap(), 0, "{register}");
+    }
+}
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn a_camera_at_the_pins_makes_golden_pictures_at_the_pins_of_the_screen() {
+    let design = design();
+    let network = moderate(&design, 5);
+    let golden = Golden::new(network.clone()).unwrap();
+    let mut simulated = start(&project(&network), 1);
+    simulated.connect_camera(|millisecond| Ov7670::new(Box::new(light(1)), millisecond)).unwrap();
+    camera_goes_round(&mut simulated, &lit(1), &golden);
+
+    let chip = Rc::clone(&simulated.camera.as_ref().unwrap().chip);
+    chip.borrow_mut().next_scene = Some(Box::new(light(2)));
+    camera_goes_round(&mut simulated, &lit(2), &golden);
+    assert_eq!(simulated.leds().unwrap(), 0b01_1111);
+    simulated.connect_screen().unwrap();
+    simulated.steps(200_000).unwrap();
+    let frames = simulated.cable.take().unwrap().receiver.frames().unwrap();
+    let picture = golden.frame(&lit(2)).unwrap().picture(&display()).0;
+    assert!(frames.len() > 3);
+    assert!(frames[2].pixels == first_light::on_screen(&picture, first_light::small_screen(&design)));
+
+    // Its clock stands still in the midst of a frame, which then goes on.
+    simulated.camera.as_mut().unwrap().is_stopped = true;
+    simulated.steps(100_000).unwrap();
+    chip.borrow_mut().next_scene = Some(Box::new(light(3)));
+    simulated.camera.as_mut().unwrap().is_stopped = false;
+    camera_goes_round(&mut simulated, &lit(3), &golden);
+    assert_eq!(chip.borrow().complaints(), &[] as &[String]);
 }

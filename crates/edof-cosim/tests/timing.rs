@@ -14,6 +14,7 @@ use edof_hdl::board::blocks::{self, Domain};
 use edof_hdl::board::{BoardRegisters, CalculatorPort, ChipSetup, EmbeddedSyncs, Identity, Pace};
 use edof_hdl::project;
 use edof_hdl::resources;
+use edof_hdl::video::camera_in::CameraIn;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -88,7 +89,7 @@ fn what_makes_windows_whole_is_short_of_path_and_load_and_as_estimated() {
     }
 }
 
-/// What `kc705_core` has beside the core (set-up of the video chips at the core's clock, sync codes at the receiver's), and the host's registers.
+/// What boards have beside the core (set-up of the video chips at the core's clock, sync codes and a camera's bus at the pixels'), and the host's registers.
 #[test]
 fn what_speaks_to_the_video_chips_and_the_host_is_short_of_path() {
     let program = &edof_device::i2c::programs(VideoTiming::P1080_60)[1];
@@ -96,14 +97,19 @@ fn what_speaks_to_the_video_chips_and_the_host_is_short_of_path() {
     let image = edof_device::i2c::image(program);
     let setup = project::of_circuit(&mut setup, vec![("mem/i2c_imageon.mem".into(), image)]).unwrap();
     let syncs = project::of_circuit(&mut EmbeddedSyncs::default(), vec![]).unwrap();
+    let camera = project::of_circuit(&mut CameraIn::new(16), vec![]).unwrap();
     let identity = Identity { design_hash: 1, weights_hash: 2, frame: (64, 48) };
     let mut registers = BoardRegisters::new(&committed("tiny"), &identity);
     let registers = project::of_circuit(&mut registers, vec![]).unwrap();
     let port = project::of_circuit(&mut CalculatorPort::default(), vec![]).unwrap();
     let calculator = blocks::calculator(&committed("kc705"));
-    for (project, domain) in
-        [(setup, Domain::Core), (syncs, Domain::Pixel), (registers, Domain::Core), (port, calculator)]
-    {
+    for (project, domain) in [
+        (setup, Domain::Core),
+        (syncs, Domain::Pixel),
+        (camera, Domain::Pixel),
+        (registers, Domain::Core),
+        (port, calculator),
+    ] {
         let found = timing::whole(&project, None).unwrap();
         assert!(found.delay_ps <= domain.limit_ps(), "{found:#?}");
         println!("{}: {} ps", found.module, found.delay_ps);

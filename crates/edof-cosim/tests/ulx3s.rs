@@ -66,6 +66,22 @@ fn a_top_with_a_wrong_clock_reset_or_pin_is_found() {
             "sdram_dqm, sdram_a, sdram_ba}".into(),
             "FAIL: the SDRAM's address",
         ),
+        (
+            "camera_vsync, camera_href, camera_d}".into(),
+            "camera_href, camera_vsync, camera_d}".into(),
+            "FAIL: the camera's pins",
+        ),
+        (".SCLK(camera_pclk)".into(), ".SCLK(clk_25mhz)".into(), "FAIL: a register at the camera's pins"),
+        (
+            "assign camera_pwdn = !camera_on[0]".into(),
+            "assign camera_pwdn = camera_on[0]".into(),
+            "FAIL: the camera's pins before",
+        ),
+        (
+            ".T(!bus_low[1]), .O(bus_level[1])".into(),
+            ".T(!bus_low[1]), .O(bus_level[0])".into(),
+            "FAIL: the camera's bus",
+        ),
         (".T(!drive)".into(), ".T(drive)".into(), "FAIL: data from the SDRAM"),
     ] {
         let told = tried(|text| {
@@ -95,7 +111,10 @@ fn every_pin_of_the_top_has_one_place() {
     let sdram = sdram
         .into_iter()
         .chain(buses.into_iter().flat_map(|(bus, bits)| (0..bits).map(move |i| format!("sdram_{bus}[{i}]"))));
-    let expected: BTreeSet<String> = leds.chain(others).chain(sdram).collect();
+    let camera = ["xclk", "pclk", "vsync", "href", "pwdn", "resetn", "sioc", "siod"].map(String::from);
+    let camera = camera.into_iter().chain((0..8).map(|i| format!("d[{i}]")));
+    let camera = camera.map(|pin| format!("camera_{pin}"));
+    let expected: BTreeSet<String> = leds.chain(others).chain(sdram).chain(camera).collect();
     assert_eq!((names(&located), names(&levels)), (expected.clone(), expected.clone()));
     let sites: BTreeSet<&String> = located.iter().map(|row| &row[1]).collect();
     assert_eq!(sites.len(), expected.len());

@@ -11,6 +11,7 @@ use edof_device::video::{Axis, VideoTiming};
 use edof_golden::display::Picture;
 use edof_golden::video::{Pins, Tmds, VideoOut as OutModel};
 use edof_hdl::video::border::Border;
+use edof_hdl::video::camera_in::CameraIn;
 use edof_hdl::video::display::{Display, TABLE_IMAGES};
 use edof_hdl::video::grey_join::GreyJoin;
 use edof_hdl::video::overlap_add::OverlapAdd;
@@ -30,6 +31,7 @@ use rust_hdl::prelude::*;
 ported!(
     BitCount,
     Border,
+    CameraIn,
     Display,
     GreyJoin,
     OverlapAdd,
@@ -237,6 +239,16 @@ impl Bus {
         let de = self.row < self.height && self.column < self.width;
         (self.column > self.width + 3, self.row > self.height + 1, de)
     }
+}
+
+#[test]
+fn camera_in() {
+    agree(CameraIn::new(16), RESET as usize, &[], |b, draw, last| {
+        b.reset.next = resets(last, draw);
+        b.camera_vs.next = last.cycle % 700 < 30;
+        b.camera_href.next = last.cycle < 600 && last.cycle % 40 > 7;
+        b.camera_data.next = word(draw);
+    });
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::boards::circuits;
 use crate::crossing::constraints::{self, Period};
 use crate::floorplan;
 use crate::project::{self, Project, ProjectError};
-use edof_device::board::{Board, MadeClock, Shell};
+use edof_device::board::{Board, MadeClock, Shell, Source};
 use edof_device::design::Design;
 use edof_device::registers::{c_header, markdown, systemrdl};
 use edof_network::FixedNetwork;
@@ -111,10 +111,16 @@ fn numbers(design: &Design) -> Result<Vec<(String, String)>, ProjectError> {
     if let Some(screen) = clocks.screen {
         numbers.extend(figures(board, "screen", screen));
         numbers.extend(board.clock(5 * screen.khz).into_iter().flat_map(|bits| figures(board, "bits", bits)));
-        if let Some(input) = &board.video_in {
-            let [earliest, latest] = (input.delays_ns)(screen.period_ns());
-            numbers.push(("input_delay_max".to_owned(), format!("{latest:.3}")));
-            numbers.push(("input_delay_min".to_owned(), format!("{earliest:.3}")));
+        match board.video_in.as_ref().map(|video| &video.source) {
+            Some(Source::Cable { delays_ns }) => {
+                let [earliest, latest] = delays_ns(screen.period_ns());
+                numbers.push(("input_delay_max".to_owned(), format!("{latest:.3}")));
+                numbers.push(("input_delay_min".to_owned(), format!("{earliest:.3}")));
+            }
+            Some(Source::Camera { timing, .. }) => {
+                numbers.push(("camera_mhz".to_owned(), mhz(timing.pixel_khz as u64)));
+            }
+            None => {}
         }
     }
     Ok(numbers)

@@ -14,6 +14,7 @@
 //! | the transmitter: pins to cable | [`adv7511`] |
 //! | links, EDIDs, who is at the ends | [`hdmi`], [`edid`], [`source`], [`graphics_card`], [`screen`] |
 //! | an SDRAM, of the ULX3S | [`sdram`] |
+//! | a camera at pins: light to bytes | [`ov7670`] |
 //! | a screen at a cable without chips: bits of DVI | [`dvi`] |
 //! | all of it as it is wired | [`imageon`], [`kc705`] |
 //!
@@ -44,6 +45,7 @@ pub mod kc705;
 pub mod lines;
 pub mod master;
 pub mod memory;
+pub mod ov7670;
 pub mod registers;
 pub mod screen;
 pub mod sdram;
@@ -58,6 +60,7 @@ pub use hdmi::Timing;
 pub use imageon::{Delays, Imageon};
 pub use kc705::Kc705;
 pub use master::Master;
+pub use ov7670::Ov7670;
 pub use screen::Screen;
 pub use sdram::Sdram;
 pub use source::Source;

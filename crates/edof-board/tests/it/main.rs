@@ -1,6 +1,7 @@
 //! The host's side against the board in Rust, in one program: time is the board's own, so nothing waits.
 
 mod calibrate;
+mod camera;
 mod check;
 mod chips;
 mod common;

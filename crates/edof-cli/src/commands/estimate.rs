@@ -113,7 +113,7 @@ fn tell(design: &Design, estimated: &Estimated<'_>, ui: &Ui) -> Result<(), Error
             board.written / 1e6,
             board.read / 1e6
         ),
-        None => format!("board {} has no video input: frames per second are the calculator's", design.board.name),
+        None => format!("board {} takes no video by cable: frames per second are the calculator's", design.board.name),
     })?;
     if let Some(Measured(pictures)) = estimated.measured
         && pictures.len() > 1

@@ -82,6 +82,11 @@ impl Bench {
         clock.runs = runs;
     }
 
+    /// Gives a clock another period in picoseconds, from its next edge on.
+    pub fn set_period(&mut self, clock: ClockId, period_ps: u64) {
+        self.clocks[clock.0].period = 1000 * period_ps as i64;
+    }
+
     /// Picoseconds since the start.
     #[must_use]
     pub const fn time_ps(&self) -> u64 {

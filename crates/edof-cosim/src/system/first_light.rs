@@ -1,7 +1,8 @@
-//! The ULX3S in Verilator, of which a host sees a serial line and nothing else: everything between its pins is simulated; at them is a model of its
-//! SDRAM.
+//! The ULX3S in Verilator, of which a host sees a serial line and nothing else: everything between its pins is simulated; at them are a model of its
+//! SDRAM and, where one is connected, of its camera.
 
 use super::board::Speed;
+use super::camera::CameraModule;
 use super::pictures::TableWords;
 use super::sdram::SdramChip;
 use super::uart::Terminal;
@@ -10,6 +11,7 @@ use crate::chain::verilated::write_images;
 use crate::verilator::{Library, Model, Options, Start};
 use crate::{Source, work};
 use edof_board::Error;
+use edof_board::chip_models::Ov7670;
 use edof_board::chip_models::dvi::Receiver;
 use edof_board::faulty::Resettable;
 use edof_board::line::{BITS_PER_BYTE, Line, line_time};
@@ -29,6 +31,13 @@ use std::time::Duration;
 const RESET: usize = 400;
 const AT_ONCE: usize = 64;
 const BETWEEN: usize = 2_000;
+/// Edges between two looks at the camera's clock.
+const BETWEEN_CLOCKS: usize = 500;
+/// Cycles of a millisecond of the camera's set-up, and a quarter of a bit on its bus.
+const MILLISECOND: u32 = 500;
+const QUARTER: u32 = 4;
+/// Picoseconds of the board's clock to the camera.
+const BOARD_CLOCK: u64 = 40_000;
 
 /// A screen at pins with two bits per cycle of their clock: blue, green, red, clock.
 pub struct DviCable {
@@ -106,8 +115,9 @@ pub fn project(
     let pace = Pace {
         cycles_per_bit: speed.cycles_per_bit,
         uart_time_out: speed.time_out,
+        i2c_quarter: QUARTER,
+        millisecond: MILLISECOND,
         screen: Some(screen),
-        ..Pace::of(design.board)
     };
     spacious(|| {
         let mut core = Ulx3sCore::new(design, sets, &identity, &tables, &pace)?;
@@ -121,7 +131,11 @@ pub struct FirstLight {
     bench: Bench,
     terminal: Terminal,
     sdram: SdramChip,
+    /// The core's clock, and its period.
+    core: (ClockId, u64),
     screen_clock: ClockId,
+    /// The camera, once there is one.
+    pub camera: Option<CameraModule>,
     /// The screen, once there is one.
     pub cable: Option<DviCable>,
     speed: Speed,
@@ -175,9 +189,22 @@ impl FirstLight {
         let screen_clock = clock("screen_clock_i", screen)?;
         let terminal = Terminal::new(library.source(), core, speed.cycles_per_bit).map_err(stopped)?;
         let sdram = SdramChip::new(library.source(), "sdram_", core, periods.core).map_err(stopped)?;
-        bench.set("uart_receive_i", 1).map_err(stopped)?;
-        let mut board =
-            Self { bench, terminal, sdram, screen_clock, cable: None, speed, bytes: [0; 2], waited: 0.0 };
+        // Lines that nobody drives.
+        for port in ["uart_receive_i", "camera_scl_i", "camera_sda_i"] {
+            bench.set(port, 1).map_err(stopped)?;
+        }
+        let mut board = Self {
+            bench,
+            terminal,
+            sdram,
+            core: (core, periods.core),
+            screen_clock,
+            camera: None,
+            cable: None,
+            speed,
+            bytes: [0; 2],
+            waited: 0.0,
+        };
         board.reset()?;
         Ok(board)
     }
@@ -187,12 +214,32 @@ impl FirstLight {
     /// # Errors
     /// The simulation stops.
     pub fn steps(&mut self, edges: usize) -> Result<(), Error> {
-        let Self { bench, terminal, sdram, cable, .. } = self;
-        match cable {
-            Some(cable) => bench.steps(edges, &mut [cable, terminal, sdram]),
-            None => bench.steps(edges, &mut [terminal, sdram]),
+        let Self { bench, terminal, sdram, camera, cable, .. } = self;
+        for begin in (0..edges).step_by(BETWEEN_CLOCKS) {
+            let mut actors: Vec<&mut dyn Actor> = vec![&mut *terminal, &mut *sdram];
+            if let Some(CameraModule { control, pixels, .. }) = camera {
+                actors.extend([control as &mut dyn Actor, pixels]);
+            }
+            if let Some(cable) = cable {
+                actors.push(cable);
+            }
+            bench.steps(BETWEEN_CLOCKS.min(edges - begin), &mut actors).map_err(stopped)?;
+            if let Some(camera) = camera {
+                camera.follow(bench);
+            }
         }
-        .map_err(stopped)
+        Ok(())
+    }
+
+    /// Connects a camera, which is made for a millisecond of so many picoseconds.
+    ///
+    /// # Errors
+    /// The circuit has no such pins.
+    pub fn connect_camera(&mut self, chip: impl FnOnce(u64) -> Ov7670) -> Result<(), Error> {
+        let chip = chip(u64::from(MILLISECOND) * self.core.1);
+        let camera = CameraModule::new(&mut self.bench, self.core, chip, BOARD_CLOCK).map_err(stopped)?;
+        self.camera = Some(camera);
+        Ok(())
     }
 
     /// Connects a screen. Without one the clock of its bits stands still, which makes the simulation faster.

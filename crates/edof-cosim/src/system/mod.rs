@@ -9,12 +9,13 @@
 //! | set up | [`chips`] | the engines and models of the video chips, and who counts sync codes |
 //! | talk to it | [`uart`], [`board`] | a serial line at its pins, and all of it as a board that any host of `edof-board` knows |
 //! | between cables | [`mod@cables`] | the KC705's core with models of the chips around it, from a source's cable to a screen |
-//! | first light | [`first_light`], [`sdram`] | the ULX3S from pin to pin, as a board behind a serial line; its memory |
+//! | first light | [`first_light`], [`sdram`], [`camera`] | the ULX3S from pin to pin, as a board behind a serial line; its memory, its camera |
 //! | measure | [`measured`], [`fifos`] | frames per second, memory traffic, latency; largest fill of each FIFO |
 //! | run again | [`mod@recorded`], [`second`] | the same in a bench of Verilog alone, for Icarus and for who has no Rust |
 
 pub mod board;
 pub mod cables;
+pub mod camera;
 pub mod chips;
 pub mod fifos;
 pub mod first_light;
@@ -28,6 +29,7 @@ pub mod second;
 pub mod uart;
 
 pub use board::{Speed, VerilogBoard};
+pub use camera::CameraModule;
 pub use first_light::FirstLight;
 pub use measured::Measured;
 pub use pictures::{PictureError, TableWords, Torn, compare, drawn, longest_run, picture, sent};

@@ -5,7 +5,7 @@
 use super::memory::Memory;
 use super::part::{BlockMemory, Columns, Multiplier, Part, ReadsTwice, Resources};
 use super::pll::Pll;
-use super::{Board, ClockMaker, Frames, Setup, Shell, VideoIn, VideoOut};
+use super::{Board, ClockMaker, Frames, Setup, Shell, Source, VideoIn, VideoOut};
 use crate::i2c::{receiver, transmitter};
 use crate::input_timing;
 use crate::video::VideoTiming;
@@ -23,7 +23,7 @@ pub const KC705: Board = Board {
     baud: 921_600,
     video_in: Some(VideoIn {
         setup: Setup { image: "mem/i2c_imageon.mem", program: receiver::program },
-        delays_ns: input_timing::delays_ns,
+        source: Source::Cable { delays_ns: input_timing::delays_ns },
     }),
     video_out: Some(VideoOut {
         setup: Some(Setup { image: "mem/i2c_kc705.mem", program: |_| transmitter::program() }),

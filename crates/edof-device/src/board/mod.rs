@@ -67,12 +67,28 @@ pub struct ClockMaker {
     pub pll: Pll,
 }
 
-/// A video input: 4:2:2 with raw pixel words in the codes.
+/// A video input.
 pub struct VideoIn {
     /// Set-up of its chip.
     pub setup: Setup,
-    /// Least and most nanoseconds from a rising edge of its clock, of such a period, to a change of its data.
-    pub delays_ns: fn(f64) -> [f64; 2],
+    /// Where the frames are from.
+    pub source: Source,
+}
+
+/// Where raw frames are from.
+pub enum Source {
+    /// A cable's receiver: 4:2:2 with raw pixel words in the codes, in a video mode.
+    Cable {
+        /// Least and most nanoseconds from a rising edge of its clock, of such a period, to a change of its data.
+        delays_ns: fn(f64) -> [f64; 2],
+    },
+    /// A camera: red first, a byte per pixel.
+    Camera {
+        /// Its whole frames. Those of a design are in their middle.
+        timing: VideoTiming,
+        /// The byte of black, which becomes 0.
+        black: u8,
+    },
 }
 
 /// A video output: a picture in 4:2:2.
@@ -141,6 +157,12 @@ impl Board {
     #[must_use]
     pub fn shell(&self, name: &str) -> Option<&'static Shell> {
         self.shells.iter().find(|shell| shell.name == name)
+    }
+
+    /// Whether raw frames come by cable.
+    #[must_use]
+    pub fn is_cabled(&self) -> bool {
+        matches!(self.video_in, Some(VideoIn { source: Source::Cable { .. }, .. }))
     }
 
     /// Returns the set-ups of the output's and of the input's chips.

@@ -1,5 +1,5 @@
-//! The ULX3S: Lattice LFE5U-85F-6, an SDRAM and an FT231X, for open tools from Verilog to the bitstream. First light: frames come over the serial line, lie in
-//! the SDRAM, and are shown by DVI; a camera is not used.
+//! The ULX3S: Lattice LFE5U-85F-6, an SDRAM and an FT231X, for open tools from Verilog to the bitstream. Frames come from an
+//! OV7670 at pins or over the serial line, lie in the SDRAM, and are shown by DVI.
 //!
 //! Sources: FPGA-DS-02012 (cells, limits of the PLL), FPGA-TN-02200 (its dividers; feedback from the output), ULX3S manual (25 MHz, FT231X, pairs of the
 //! video connector at pads of the FPGA).
@@ -7,7 +7,8 @@
 use super::memory::Memory;
 use super::part::{BlockMemory, Multiplier, Part, ReadsTwice, Resources};
 use super::pll::Pll;
-use super::{Board, ClockMaker, Frames, Shell, VideoOut};
+use super::{Board, ClockMaker, Frames, Setup, Shell, Source, VideoIn, VideoOut};
+use crate::i2c::ov7670;
 use crate::video::VideoTiming;
 
 /// The ULX3S.
@@ -21,7 +22,11 @@ pub const ULX3S: Board = Board {
     sets: &[1, 2],
     // Of the FT231X's rates the fastest that divides the clock; a bit is 25 cycles.
     baud: 2_000_000,
-    video_in: None,
+    video_in: Some(VideoIn {
+        setup: Setup { image: "mem/i2c_ov7670.mem", program: ov7670::program },
+        // The chip's black is in no public source: a dark frame tells it.
+        source: Source::Camera { timing: ov7670::TIMING, black: 0 },
+    }),
     video_out: Some(VideoOut { setup: None, frames: Frames::Middle(VideoTiming::VGA_60) }),
     shells: &[Shell {
         name: "serial",

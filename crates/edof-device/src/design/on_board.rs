@@ -1,7 +1,7 @@
 //! A design on its board: the clocks that it needs there, and whether frames fit.
 
 use super::{Design, DesignError};
-use crate::board::{Frames, MadeClock, Setup, VideoOut};
+use crate::board::{Frames, MadeClock, Setup, Source, VideoIn, VideoOut};
 use crate::video::VideoTiming;
 use edof_core::words::number;
 
@@ -43,12 +43,42 @@ impl Design {
         Ok([output.ok_or_else(|| lacks("video output with a chip"))?, &input.setup])
     }
 
+    /// Returns the set-up of the camera, and its byte of black.
+    ///
+    /// # Errors
+    /// [`DesignError::Lacks`]: the board has no camera.
+    pub fn camera_chip(&self) -> Result<(&'static Setup, u8), DesignError> {
+        match &self.board.video_in {
+            Some(VideoIn { setup, source: Source::Camera { black, .. } }) => Ok((setup, *black)),
+            _ => Err(DesignError::Lacks { board: self.board.name, what: "camera".into() }),
+        }
+    }
+
     /// Returns the timing of the screen: that of the frames, or a larger one that shows them in its middle ([`VideoTiming::around`]).
     #[must_use]
     pub fn screen(&self) -> VideoTiming {
         match self.board.video_out.as_ref().map(|video| video.frames) {
             Some(Frames::Middle(screen)) => screen,
             _ => VideoTiming::of_frame(self.frame),
+        }
+    }
+
+    /// Returns the timing of incoming frames: a camera's with the frame in its middle, or a video mode's.
+    #[must_use]
+    pub fn incoming(&self) -> VideoTiming {
+        self.camera().unwrap_or_else(|| VideoTiming::of_frame(self.frame))
+    }
+
+    /// Returns the timing that the video chips are set up for: [`Design::incoming`] of a camera, or that of a cable ([`VideoTiming::on_the_cable`]).
+    #[must_use]
+    pub fn set_up_for(&self) -> VideoTiming {
+        self.camera().unwrap_or_else(|| VideoTiming::on_the_cable(self.frame))
+    }
+
+    fn camera(&self) -> Option<VideoTiming> {
+        match self.board.video_in.as_ref()?.source {
+            Source::Camera { timing, .. } => Some(timing.around(self.frame)),
+            Source::Cable { .. } => None,
         }
     }
 
@@ -184,6 +214,20 @@ mod tests {
         design.frame.width = 642;
         let error = design.clocks().unwrap_err().to_string();
         assert_eq!(error, "frame 642x80: must be at most 640x480, the size of the screen");
+    }
+
+    #[test]
+    fn frames_are_in_the_middle_of_a_cameras_or_a_video_mode() {
+        let design = Design::from_json(include_str!("../../../../designs/ulx3s.json")).unwrap();
+        let (incoming, frame) = (design.incoming(), design.frame);
+        assert_eq!((incoming.line.active, incoming.frame.active), (frame.width, frame.height));
+        assert_eq!((incoming.line.total(), incoming.frame.total()), (784, 510));
+        assert_eq!(design.set_up_for(), incoming);
+        let cabled = self::design(200.0, 64, 48);
+        assert_eq!(cabled.incoming(), VideoTiming::of_frame(cabled.frame));
+        assert_eq!(cabled.set_up_for(), VideoTiming::P1080_60);
+        let error = cabled.camera_chip().map(|_| ()).unwrap_err().to_string();
+        assert_eq!(error, "board kc705 has no camera; use a design for another board");
     }
 
     #[test]

@@ -5,14 +5,16 @@
 //! | steps, their words, and how a program is put together | [`program`] |
 //! | the KC705's own bus: the transmitter | [`transmitter`] |
 //! | the FMC-IMAGEON card's bus: the receiver | [`receiver`] |
+//! | the ULX3S' bus: a camera | [`ov7670`] |
 //! | why a transfer failed | [`cause`] |
 //! | EDID of the receiver | [`edid`] |
 //!
 //! Values are those of the makers' programming guides, of drivers and of public board code; nothing here was tried on a board. What is a
-//! guess among them stands in `docs/decisions/0028-video-chips.md`.
+//! guess among them stands in `docs/decisions/0028-video-chips.md`, and in `docs/ulx3s.md` for the camera.
 
 pub mod cause;
 pub mod edid;
+pub mod ov7670;
 pub mod program;
 pub mod receiver;
 pub mod transmitter;
@@ -35,7 +37,7 @@ mod tests {
 
     #[test]
     fn every_step_has_a_meaning_and_every_jump_a_target() {
-        for program in programs(VideoTiming::P1080_60) {
+        for program in programs(VideoTiming::P1080_60).into_iter().chain([ov7670::program(ov7670::TIMING)]) {
             assert!(depth(&program) <= 512 && program.len() < depth(&program));
             for entry in &program {
                 assert!(!entry.doc.is_empty());

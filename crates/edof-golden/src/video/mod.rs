@@ -3,6 +3,7 @@
 //! What lies between them has no need of a model of its own: [`crate::windows`], [`crate::overlap_add`] and [`crate::display`] say what
 //! comes out, and streams may come at any time.
 
+pub mod camera_in;
 pub mod figures;
 pub mod grey;
 pub mod grey_join;
@@ -13,6 +14,7 @@ pub mod tmds;
 pub mod video_in;
 pub mod video_out;
 
+pub use camera_in::CameraIn;
 pub use grey_join::GreyJoin;
 pub use sync_codes::SyncCodes;
 pub use tmds::Tmds;

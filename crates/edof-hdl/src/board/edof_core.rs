@@ -194,7 +194,6 @@ impl<const W: usize, const S: usize> EdofCore<W, S> {
     ) -> Result<Self, DesignError> {
         design.check_board()?;
         let memory = &design.board.memory;
-        let timing = VideoTiming::of_frame(design.frame);
         let frames = |buffers| Frames {
             width: design.frame.width,
             height: design.frame.height,
@@ -205,7 +204,7 @@ impl<const W: usize, const S: usize> EdofCore<W, S> {
         let crossing = CROSSING_PIXELS.ilog2() as usize;
         let (raw, picture) = (frames(memory.raw_buffers), frames(memory.picture_buffers));
         Ok(Self::from_parts(EdofCoreParts {
-            video_in: VideoIn::new(design.frame, timing.signal_time_out()),
+            video_in: VideoIn::new(design.frame, design.incoming().signal_time_out()),
             grey_join: GreyJoin::new(design.frame),
             watch: ClockWatch::new(true),
             calculator_watch: ClockWatch::new(false),

@@ -12,7 +12,6 @@ use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiLiteMaster, AxiReadMaster, AxiWriteMaster};
 use edof_device::board::{KC705, Setup};
 use edof_device::design::{Design, DesignError};
-use edof_device::video::VideoTiming;
 use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
 
@@ -95,7 +94,7 @@ impl Kc705Core {
     ) -> Result<Self, DesignError> {
         let [output, input] = design.video_chips()?;
         let core = EdofCore::new(design, sets, identity, tables)?;
-        let mode = VideoTiming::on_the_cable(design.frame);
+        let mode = design.set_up_for();
         let setup =
             |setup: &Setup, is_card| ChipSetup::new(pace, &(setup.program)(mode), setup.image, is_card);
         Ok(Self::from_parts(Kc705CoreParts {

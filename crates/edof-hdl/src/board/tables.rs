@@ -3,7 +3,6 @@
 use crate::video::display::TABLE_IMAGES;
 use edof_device::design::Design;
 use edof_device::i2c;
-use edof_device::video::VideoTiming;
 use std::fmt::Write;
 
 /// The display tables that a design starts with: luma codes; encoded red, green and blue.
@@ -30,7 +29,7 @@ impl Tables<'_> {
             });
             (path.to_string(), text)
         });
-        let mode = VideoTiming::on_the_cable(design.frame);
+        let mode = design.set_up_for();
         let setups = design.board.setups();
         let setups = setups.map(|setup| (setup.image.to_owned(), i2c::image(&(setup.program)(mode))));
         display.chain(setups).collect()

@@ -1,6 +1,7 @@
-//! The core with what the ULX3S has around it: a serial line, an SDRAM for its frames, and DVI.
+//! The core with what the ULX3S has around it: a camera, a serial line, an SDRAM for its frames, and DVI.
 
 use super::axi_sdram::AxiSdram;
+use super::chip_setup::ChipSetup;
 use super::edof_core::EdofCore;
 use super::pace::Pace;
 use super::power_on::PowerOn;
@@ -10,9 +11,11 @@ use super::uart_bus::UartBus;
 use crate::crossing::ResetSync;
 use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiLiteMaster, AxiReadMaster, AxiWriteMaster};
+use crate::video::camera_in::CameraIn;
 use crate::video::dvi::Dvi;
 use edof_device::board::ULX3S;
 use edof_device::design::{Design, DesignError};
+use edof_device::i2c::ov7670::PINS;
 use edof_network::FixedNetwork;
 use rust_hdl::prelude::*;
 
@@ -20,8 +23,11 @@ use rust_hdl::prelude::*;
 pub(crate) const W: usize = ULX3S.memory.word_bits;
 pub(crate) const S: usize = W / 8;
 
-/// The core with what the ULX3S has around it: a serial line to the host, an SDRAM for its frames, and DVI. No video comes in: the host writes raw
-/// frames. Pictures are in the middle of a black screen. Pins and clocks are `ulx3s_top`'s.
+/// Bit of the last four slots at which the camera's pins are.
+const CAMERA_PINS: usize = 8 * (PINS as usize - 8);
+
+/// The core with what the ULX3S has around it: a camera and its set-up, a serial line to the host, an SDRAM for its frames, and DVI. Without a camera the host
+/// writes raw frames. Pictures are in the middle of a black screen. Pins and clocks are `ulx3s_top`'s.
 #[derive(Circuit)]
 #[circuit(default(ResetSync, PowerOn))]
 pub struct Ulx3sCore {
@@ -33,6 +39,8 @@ pub struct Ulx3sCore {
     pub screen_clock: Signal<In, Clock>,
     /// A clock of the same source, five times as fast: two bits of each pair a cycle.
     pub bit_clock: Signal<In, Clock>,
+    /// The camera's pixel clock.
+    pub camera_clock: Signal<In, Clock>,
     /// Begins anew, of no clock.
     pub reset: Signal<In, Bit>,
     /// The calculator's clock is lost, in `clock`.
@@ -43,8 +51,24 @@ pub struct Ulx3sCore {
     pub uart_transmit: Signal<Out, Bit>,
     /// Pairs of the DVI cable: blue, green, red, clock.
     pub dvi: Signal<Out, Bits<4>>,
-    /// LEDs: 0 the memory is ready; 3 pictures leave the memory.
-    pub leds: Signal<Out, Bits<4>>,
+    /// The camera's vertical sync.
+    pub camera_vs: Signal<In, Bit>,
+    /// A pixel of the camera's.
+    pub camera_href: Signal<In, Bit>,
+    /// The pixel.
+    pub camera_data: Signal<In, Bits<8>>,
+    /// Lets the camera out of power-down (bit 0) and of reset (bit 1).
+    pub camera_on: Signal<Out, Bits<2>>,
+    /// Clock line of the camera's bus, as it is.
+    pub camera_scl: Signal<In, Bit>,
+    /// Data line, as it is.
+    pub camera_sda: Signal<In, Bit>,
+    /// Pulls the clock line down.
+    pub camera_scl_low: Signal<Out, Bit>,
+    /// Pulls the data line down.
+    pub camera_sda_low: Signal<Out, Bit>,
+    /// LEDs: 0 the memory is ready; 1 video comes in; 2 it has the design's size; 3 pictures leave the memory; 4 the camera is set up; 5 its set-up failed.
+    pub leds: Signal<Out, Bits<6>>,
     /// The SDRAM's RAS#, CAS# and WE#; the pins are registered outside.
     pub sdram_command: Signal<Out, Bits<3>>,
     /// Its bank.
@@ -63,6 +87,10 @@ pub struct Ulx3sCore {
     sdram: AxiSdram,
     uart: UartBus,
     screen: Dvi,
+    camera: CameraIn,
+    setup: ChipSetup,
+    pins_at: Constant<Bits<5>>,
+    reset_of_camera: ResetSync,
     reset_of_screen: ResetSync,
     reset_of_core: ResetSync,
     power_on: PowerOn,
@@ -82,11 +110,16 @@ impl Ulx3sCore {
     ) -> Result<Self, DesignError> {
         let screen = pace.screen.unwrap_or_else(|| design.screen());
         let picture = screen.around(design.frame);
+        let (setup, black) = design.camera_chip()?;
+        let program = (setup.program)(design.set_up_for());
         Ok(Self::from_parts(Ulx3sCoreParts {
             core: EdofCore::on_screen(design, sets, identity, tables, picture)?,
             sdram: AxiSdram::new(design.board.core_khz.into()),
             uart: UartBus::new(pace.cycles_per_bit, pace.uart_time_out),
             screen: Dvi::new(screen),
+            camera: CameraIn::new(black),
+            setup: ChipSetup::new(pace, &program, setup.image, true),
+            pins_at: Constant::new((CAMERA_PINS as u64).into()),
         }))
     }
 }
@@ -137,24 +170,43 @@ impl Logic for Ulx3sCore {
         self.screen.data.next = self.core.screen_data.val();
         self.dvi.next = self.screen.pins.val();
 
-        // No video comes in, and no chip is there to be set up.
-        self.core.input_clock.next = self.clock.val();
-        self.core.input_hs.next = false;
-        self.core.input_vs.next = false;
-        self.core.input_de.next = false;
-        self.core.input_data.next = 0.into();
+        self.reset_of_camera.clock.next = self.camera_clock.val();
+        self.reset_of_camera.reset.next = self.reset.val();
+        self.camera.clock.next = self.camera_clock.val();
+        self.camera.reset.next = self.reset_of_camera.domain_reset.val();
+        self.camera.camera_vs.next = self.camera_vs.val();
+        self.camera.camera_href.next = self.camera_href.val();
+        self.camera.camera_data.next = self.camera_data.val();
+        self.core.input_clock.next = self.camera_clock.val();
+        self.core.input_hs.next = self.camera.hs.val();
+        self.core.input_vs.next = self.camera.vs.val();
+        self.core.input_de.next = self.camera.de.val();
+        self.core.input_data.next = self.camera.data.val();
+        // No codes are inside of the pixels.
         self.core.input_codes.next = 0.into();
         self.core.input_malformed.next = 0.into();
-        self.core.i2c_done.next = true;
-        self.core.i2c_failed.next = false;
-        for i in 0..2 {
-            self.core.i2c[i].next = 0.into();
-        }
+
+        // The camera is the one chip; it is not read.
+        self.setup.clock.next = self.clock.val();
+        self.setup.reset.next = self.reset_of_core.domain_reset.val();
+        self.setup.restart.next = self.core.i2c_restart.val();
+        self.setup.settings.next = self.core.video_setup.val();
+        self.setup.access.next = self.core.chip_access.val();
+        self.setup.scl.next = self.camera_scl.val();
+        self.setup.sda.next = self.camera_sda.val();
+        self.camera_scl_low.next = self.setup.scl_low.val();
+        self.camera_sda_low.next = self.setup.sda_low.val();
+        self.camera_on.next =
+            (self.setup.slots[2].val() >> bit_cast::<32, 5>(self.pins_at.val())).get_bits::<2>(0);
+        self.core.i2c_done.next = self.setup.done.val();
+        self.core.i2c_failed.next = self.setup.failed.val();
+        self.core.i2c[0].next = 0.into();
+        self.core.i2c[1].next = self.setup.word.val();
         for i in 0..4 {
             self.core.chips[i].next = 0.into();
         }
-        self.core.chip_answer.next = 0.into();
+        self.core.chip_answer.next = self.setup.answer.val();
 
-        self.leds.next = self.core.status.val().get_bits::<4>(0) & 9;
+        self.leds.next = self.core.status.val().get_bits::<6>(0);
     }
 }

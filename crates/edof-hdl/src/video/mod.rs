@@ -2,6 +2,7 @@
 //!
 //! | block | does |
 //! |---|---|
+//! | [`camera_in`] | the bus of a camera, as that of a receiver |
 //! | [`video_in`] | the 4:2:2 bus of a receiver: raw pixels, and whether they are the frames that the design is for |
 //! | [`grey_join`] | raw frames of the grey pixels that a PC's graphics card sends |
 //! | [`window_reorder`] | raw lines in block RAM, windows out, mirrored at the borders |
@@ -25,6 +26,7 @@
 //! Leaves, each in `rtl/` and here as its model: [`ddr_out`], [`memory`], [`queue`], [`scale`], [`table`].
 
 pub mod border;
+pub mod camera_in;
 pub mod ddr_out;
 pub mod display;
 pub mod dvi;

@@ -76,17 +76,17 @@ impl Args {
 }
 
 impl Args {
-    /// Rejects what only a board with a video input has.
+    /// Rejects what only a board has that takes video by cable.
     fn check_video(&self, board: &Board) -> Result<(), Error> {
         let given = [("--frame", self.frame.is_some()), ("--picture", self.picture.is_some())];
         let name = board.name;
         match given.into_iter().find(|(_, is_given)| *is_given) {
-            _ if board.video_in.is_some() => Ok(()),
+            _ if board.is_cabled() => Ok(()),
             _ if !self.rtl => Err(Error::message(format!(
-                "board {name} has no video input; add --rtl, which simulates its circuit"
+                "board {name} takes no video by cable; add --rtl, which simulates its circuit"
             ))),
             Some((option, _)) => Err(Error::message(format!(
-                "{option}: board {name} has no video input; leave {option} out, and use 'edof board picture put' and 'get'"
+                "{option}: board {name} takes no video by cable; leave {option} out, and use 'edof board picture put' and 'get'"
             ))),
             None => Ok(()),
         }
@@ -117,7 +117,7 @@ pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
         let with = (Speed::of(design.board, args.baud)?, 1);
         ui.note("compiling the design with Verilator");
         let options = Options { cache: Options::user_cache(), ..Options::default() };
-        if design.board.video_in.is_none() {
+        if !design.board.is_cabled() {
             Box::new(FirstLight::new(&design, [&network; 2], &display, with, &options)?)
         } else {
             Box::new(VerilogBoard::new(&design, [&network; 2], &display, &raw, with, &options)?)
