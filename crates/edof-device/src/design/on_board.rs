@@ -213,7 +213,7 @@ mod tests {
         assert_eq!(design.board.clock(5 * 25_000).unwrap().khz, 125_000);
         design.frame.width = 642;
         let error = design.clocks().unwrap_err().to_string();
-        assert_eq!(error, "frame 642x80: must be at most 640x480, the size of the screen");
+        assert_eq!(error, "frame 642x480: must be at most 640x480, the size of the screen");
     }
 
     #[test]
