@@ -83,7 +83,7 @@ nets[linear]+=,$classes
 by_gain() { echo "edof-t4w12-$1-light-low+edof-t4w12-$1-light-high+edof-t4w12-$1-light-dark"; }
 nets[srgb]+=,$(by_gain outer),$(by_gain clear)
 
-# Quotes a page's first table between a document's marks, without SSIM: demosaicing and the networks in fixed point, for each of the two lenses; those
+# Quotes a page's first table between a document's marks, without SSIM and standard errors: demosaicing and the networks in fixed point, for each of the two lenses; those
 # by noise alone, where the page has them.
 quote() {
     local kinds='(-light)?'
@@ -95,6 +95,7 @@ quote() {
                 if (line !~ /^\|/) { if (count) break; else continue }
                 split(line, cell, "|")
                 kept = cell[2] ~ kept_methods && cell[3] ~ /^ (ring-outer|clear-mid) $/
+                gsub(/ ± [0-9.]+/, "", line)
                 gsub(" / ", "/", line)
                 split(line, cell, "|")
                 if (++count <= 2 || kept) print "|" cell[2] "|" cell[3] "|" cell[4] "|" cell[6] "|" cell[8] "|"

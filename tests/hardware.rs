@@ -246,14 +246,28 @@ fn clocked(clock_mhz: f64, (width, height): (u64, u64)) -> String {
 }
 
 #[test]
-fn clocks_and_frames_that_no_board_has_are_rejected_by_every_command_that_promises_them() {
+fn frames_of_no_video_mode_are_calculated_and_a_board_of_video_rejects_them() {
+    let place = Place::new();
+    place.edof("random-network --form one-sided,w8,t4,c16,r --out net.fixed.safetensors").done();
+    for (width, height) in [(640, 480), (1456, 1088)] {
+        place.write("mine.json", clocked(100.0, (width, height)));
+        let no_mode = "no video mode: no screen shows these frames";
+        assert!(place.edof("design check mine.json").done().out.contains(no_mode));
+        assert!(place.edof("estimate --design mine.json").done().out.contains("frames per second"));
+        place.edof("generate --design mine.json --weights net.fixed.safetensors --out built").done();
+        assert!(std::fs::read_to_string(place.path("built/README.md")).unwrap().contains(no_mode));
+        place.edof("board sim --design mine.json --link link").refused(&[&format!(
+            "frame {width}x{height}: must be the size of a video mode (1280x720, 1920x1080)"
+        )]);
+    }
+    place.edof("design new --form two-sided,w8,t3,c16 --size 640x480 --out new.json").done();
+}
+
+#[test]
+fn clocks_that_no_board_makes_are_rejected_by_every_command_that_promises_them() {
     let place = Place::new();
     place.edof("random-network --form one-sided,w8,t4,c16,r --out net.fixed.safetensors").done();
     for (text, words) in [
-        (
-            clocked(100.0, (1366, 768)),
-            "frame 1366x768: must be the size of a video mode (1280x720, 1920x1080)",
-        ),
         (clocked(1000.0, (1280, 720)), "clock_mhz 1000: must be above 0, at most 400"),
         (
             clocked(199.999, (1280, 720)),

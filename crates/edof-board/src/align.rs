@@ -102,8 +102,8 @@ impl<L: Line> Board<L> {
     /// set-ups. `report` receives each trial and may end the search.
     ///
     /// # Errors
-    /// The receiver is not set up or has another clock than the design's, nothing comes, or nothing works, when the settings are as before; or
-    /// the line fails.
+    /// The design's frames are of no video mode, the receiver is not set up or has another clock than the design's, nothing comes, or nothing
+    /// works, when the settings are as before; or the line fails.
     pub fn align(
         &mut self,
         align: Align<'_>,
@@ -137,6 +137,7 @@ impl<L: Line> Board<L> {
     }
 
     fn check_clock(&mut self, design: &Design) -> Result<(), Error> {
+        design.check_video()?;
         let wanted = VideoTiming::on_the_cable(design.frame);
         let expected = wanted.pixel_khz as f64 / 1e3;
         let found = self.pixel_clocks(design.board)?.map_or(0.0, |clocks| clocks.input);

@@ -17,7 +17,7 @@ pub struct Promise {
     pub patches_per_frame: u64,
     /// Frames per second of the calculator where nothing is skipped.
     pub frames_per_second: f64,
-    /// Frames per second on the screen, and its pixel clock in kilohertz; none for frames that only simulation takes.
+    /// Frames per second on the screen, and its pixel clock in kilohertz; none for frames of no video mode.
     pub video: Option<(f64, usize)>,
     /// What the calculator takes.
     pub resources: Cells,
@@ -33,7 +33,7 @@ impl Promise {
     /// Of a checked design.
     ///
     /// # Errors
-    /// Frames or a clock that no board of ours has.
+    /// Frames that the board's memory does not hold, or a clock that it does not make.
     pub fn of(design: &Design) -> Result<Self, DesignError> {
         design.check_board()?;
         let estimated = Estimated::new(design, None);
@@ -78,7 +78,7 @@ impl Promise {
                 format!("{rate:.0} frames per second at a pixel clock of {mhz:.2} MHz{around}{input}")
             }
             None if design.board.video_out.is_none() => format!("none on board {}", design.board.name),
-            None => "no video mode: for simulation alone".to_owned(),
+            None => "no video mode: no screen shows these frames and no source sends them; a host does (`edof board picture`)".to_owned(),
         };
         let traffic = self.memory.map(|bytes| bytes.map(|bytes| bytes / 1e6));
         let traffic = traffic.map(|[written, read]| {

@@ -23,7 +23,7 @@ pub enum Footprint {
     LensAndPixel,
 }
 
-/// The optical transfer function along a row of pixels. Behind a round pupil it is real; negative values are reversed contrast, and the MTF
+/// The optical transfer function along a line of pixels. Behind a round pupil it is real; negative values are reversed contrast, and the MTF
 /// is its magnitude. Behind others it is the magnitude itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Otf {
@@ -34,6 +34,12 @@ pub struct Otf {
 }
 
 impl Otf {
+    /// Returns the frequency of the last sample in cycles per millimetre.
+    #[must_use]
+    pub fn end_per_mm(&self) -> f64 {
+        self.step_per_mm * self.values.len().saturating_sub(1) as f64
+    }
+
     /// Contrast at a frequency in cycles per millimetre, linear between samples, zero beyond the cut-off.
     #[must_use]
     pub fn at(&self, per_mm: f64) -> f64 {
@@ -45,18 +51,27 @@ impl Otf {
     }
 }
 
-/// The OTF of a channel for an object at `psi`. Of a bank or a lens that is not round it is taken from the PSF: the magnitude, where that is
-/// not even, and it ends where pixels see no farther, at half a cycle a pixel; the lens alone is then what the pixel's footprint leaves when it is divided out, with
-/// all that pixels fold over.
+/// Returns the OTF of a channel along a row of pixels, for an object at `psi`: the first of [`otfs`].
 ///
 /// # Errors
 /// [`NoPsf`].
 pub fn otf(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) -> Result<Otf, NoPsf> {
+    otfs(camera, channel, psi, footprint).map(|[along_row, _]| along_row)
+}
+
+/// Returns the OTF of a channel along a row of pixels and along a column, for an object at `psi`. Of a bank or a lens that is not round it is taken from the PSF: the
+/// magnitude, where that is not even, and it ends where pixels see no farther, at half a cycle a pixel; the lens alone is then what the pixel's footprint leaves when it
+/// is divided out, with all that pixels fold over.
+///
+/// # Errors
+/// [`NoPsf`].
+pub fn otfs(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) -> Result<[Otf; 2], NoPsf> {
     psf::check(camera, psi)?;
     let step_per_mm = |support: usize| 1e3 / (support as f64 * camera.pixel_pitch_um);
-    if camera.psf_bank.is_some() || camera.symmetry() == Symmetry::None {
+    if !has_one_response(camera) {
         let psf = psf::psf(camera, channel, psi, &Settings::default())?;
-        return Ok(Otf { step_per_mm: step_per_mm(SUPPORT), values: contrast_of(&psf, footprint) });
+        let step_per_mm = step_per_mm(SUPPORT);
+        return Ok(contrasts_of(&psf, footprint).map(|values| Otf { step_per_mm, values }));
     }
     let spectrum = camera.spectrum(channel);
     let lines = match spectrum {
@@ -71,22 +86,33 @@ pub fn otf(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) ->
         Footprint::Lens => 1.0,
         Footprint::LensAndPixel => sinc(q as f64 / support as f64),
     };
-    Ok(Otf { step_per_mm: step_per_mm(support), values: (0..length).map(|q| mean(q) * pixel(q)).collect() })
+    let along_row =
+        Otf { step_per_mm: step_per_mm(support), values: (0..length).map(|q| mean(q) * pixel(q)).collect() };
+    Ok([along_row.clone(), along_row])
 }
 
-/// Contrast along a row of pixels up to half a cycle a pixel.
-fn contrast_of(psf: &Psf, footprint: Footprint) -> Array1<f64> {
+/// Returns whether a camera's response is the same along every direction: it is computed, and its pupil is round.
+#[must_use]
+pub fn has_one_response(camera: &Camera) -> bool {
+    camera.psf_bank.is_none() && camera.symmetry() != Symmetry::None
+}
+
+/// Contrast along a row of pixels and along a column, up to half a cycle a pixel.
+fn contrasts_of(psf: &Psf, footprint: Footprint) -> [Array1<f64>; 2] {
     let [upside_down, left_right, _] = psf.symmetries();
-    let value = |q: usize| {
-        let frequency = q as f64 / SUPPORT as f64;
-        let [along_row, _] = sampled_otf(psf, frequency);
-        let contrast = if upside_down && left_right { along_row.re } else { along_row.norm() };
-        match footprint {
-            Footprint::Lens => contrast / sinc(frequency),
-            Footprint::LensAndPixel => contrast,
-        }
-    };
-    (0..=SUPPORT / 2).map(value).collect()
+    let frequencies = (0..=SUPPORT / 2).map(|q| q as f64 / SUPPORT as f64);
+    let responses: Vec<_> = frequencies.map(|frequency| (frequency, sampled_otf(psf, frequency))).collect();
+    [0, 1].map(|direction| {
+        let value = |(frequency, both): &(f64, [Complex64; 2])| {
+            let response = both[direction];
+            let contrast = if upside_down && left_right { response.re } else { response.norm() };
+            match footprint {
+                Footprint::Lens => contrast / sinc(*frequency),
+                Footprint::LensAndPixel => contrast,
+            }
+        };
+        responses.iter().map(value).collect()
+    })
 }
 
 /// Fourier transform of a PSF as pixels sample it, about its middle, at a frequency in cycles a pixel: along a row and along a column.
@@ -192,6 +218,32 @@ mod tests {
         let [a, b] =
             [&line, &narrow].map(|c| otf(c, Channel::Green, 3.0, Footprint::Lens).unwrap().at(100.0));
         assert!((a - b).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_blur_along_columns_costs_contrast_along_columns_alone() {
+        let camera = Camera::resolve("clear").unwrap();
+        // Two equal points, one above the other: the response is |cos(πf)| at f cycles a pixel.
+        let points =
+            ndarray::Array4::from_shape_fn(
+                (1, 3, 3, 3),
+                |(_, _, row, column)| {
+                    if column == 1 && row < 2 { 0.5 } else { 0.0 }
+                },
+            );
+        let kernels = Kernels::new(vec![0.0], points.view(), None).unwrap();
+        let bank =
+            PsfBank { file: "x".into(), sha256: String::new(), centre: false, kernels: Some(kernels.into()) };
+        let camera = Camera { psf_bank: Some(bank), ..camera };
+        let per_mm = 1e3 / camera.pixel_pitch_um / 4.0;
+        let both = otfs(&camera, Channel::Green, 0.0, Footprint::LensAndPixel).unwrap();
+        let [row, column] = both.map(|otf| {
+            assert!((otf.end_per_mm() - 2.0 * per_mm).abs() < 1e-9);
+            otf.at(per_mm)
+        });
+        assert!((row - 1.0).abs() < 1e-6, "{row}");
+        assert!((column - std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-6, "{column}");
+        assert!(has_one_response(&Camera::resolve("ring-outer").unwrap()) && !has_one_response(&camera));
     }
 
     #[test]

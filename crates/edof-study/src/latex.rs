@@ -1,9 +1,8 @@
 //! The table of photographs for a paper, in LaTeX: means over photographs, with their standard errors.
 
 use crate::made::Made;
-use crate::methods::method::{Format, Method};
-use crate::metrics::paired::Paired;
-use crate::summary::{Study, by_photo};
+use crate::methods::method::Format;
+use crate::summary::Study;
 use edof_core::Noise;
 
 impl Study {
@@ -16,7 +15,13 @@ impl Study {
         let farthest = self.rows.iter().map(|row| row.psi).fold(f64::NEG_INFINITY, f64::max);
         let shown = subjects.into_iter().filter(|subject| subject.0.format != Some(Format::Float422));
         let rows = shown.map(|subject| {
-            let of = |noise: &Noise| [Some(farthest), None].map(|psi| self.cell(subject, *noise, psi));
+            let of = |noise: &Noise| match self.summary.find(subject, *noise) {
+                Some(found) => {
+                    let [farthest, _, average] = found.picture.cells();
+                    [farthest, average].map(cell)
+                }
+                None => ["--", "--"].map(str::to_owned),
+            };
             let names = [subject.0.to_string(), subject.1.to_owned()].map(|name| escaped(&name));
             line(names.into_iter().chain(noises.iter().flat_map(of)))
         });
@@ -37,15 +42,13 @@ impl Study {
             rows.collect::<String>(),
         )
     }
+}
 
-    fn cell(&self, subject: (&Method, &str), noise: Noise, psi: Option<f64>) -> String {
-        let db: Vec<f64> = by_photo(&self.rows, subject, noise, psi).into_values().collect();
-        match Paired::of(&db) {
-            None => "--".to_owned(),
-            Some(Paired { mean, .. }) if mean.is_infinite() => "$\\infty$".to_owned(),
-            Some(Paired { mean, standard_error: Some(error), .. }) => format!("${mean:.2} \\pm {error:.2}$"),
-            Some(Paired { mean, .. }) => format!("${mean:.2}$"),
-        }
+fn cell((mean, standard_error): (f64, Option<f64>)) -> String {
+    match standard_error {
+        _ if mean.is_infinite() => "$\\infty$".to_owned(),
+        Some(error) => format!("${mean:.2} \\pm {error:.2}$"),
+        None => format!("${mean:.2}$"),
     }
 }
 
@@ -75,6 +78,7 @@ fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::methods::method::Method;
     use crate::summary::tests::{net, row};
 
     #[test]

@@ -1,14 +1,15 @@
 //! Figures of a camera's optics: MTF at several depths, contrast through focus (the paper's Figure 1), and a sheet of PSFs.
 
 use crate::report::picture::{caption, enlarged, psf_picture, sheet, stacked};
-use crate::report::plot::{Axis, Mark, Plot, Series, USUAL, sequential};
+use crate::report::plot::{Axis, Mark, Plot, SMALL, Series, USUAL, grid, sequential};
 use edof_core::camera::Camera;
 use edof_core::{Channel, ColourFrame, Tone};
 use edof_optics::bank;
 use edof_optics::distance_m;
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
-use edof_optics::{Footprint, Otf, green_cutoff_per_mm, otf, through_focus};
+use edof_optics::{Footprint, Otf, green_cutoff_per_mm, has_one_response, otf, otfs, through_focus};
 use ndarray::Array2;
+use rayon::prelude::*;
 
 /// Points of a curve.
 pub const POINTS: u32 = 60;
@@ -64,21 +65,74 @@ pub fn responses(camera: &Camera, psi: f64) -> Result<[Vec<f64>; 3], NoPsf> {
 /// # Errors
 /// [`NoPsf`].
 pub fn mtf_plot(camera: &Camera, psis: &[f64]) -> Result<Plot, NoPsf> {
+    let title = format!("Response to spatial frequency, green: {}", camera.name);
+    let responses = psis.par_iter().map(|&psi| otf(camera, Channel::Green, psi, Footprint::Lens));
+    let responses = responses.collect::<Result<Vec<_>, _>>()?;
+    Ok(response_plot(camera, psis, responses.iter(), (title, USUAL)))
+}
+
+/// Returns the responses of red, green and blue as one SVG: a row of diagrams without the mask and one with it, on the same scales. Where a lens
+/// is not round, or a bank states its PSFs, there is a row along rows of pixels and one along columns.
+///
+/// # Errors
+/// [`NoPsf`].
+pub fn mtf_figure(camera: &Camera, psis: &[f64]) -> Result<String, NoPsf> {
+    let mut plots = vec![];
+    if is_masked(camera) {
+        plots.extend(response_plots(&without_mask(camera), psis)?);
+    }
+    plots.extend(response_plots(camera, psis)?);
+    let values = plots.iter().flat_map(|plot| &plot.series).flat_map(|series| &series.points);
+    let lowest = values.map(|point| point[1]).fold(0.0, f64::min);
+    plots.iter_mut().for_each(|plot| plot.y = plot.y.clone().from((10.0 * lowest).floor() / 10.0));
+    Ok(grid(&plots, CHANNELS.len()))
+}
+
+fn response_plots(camera: &Camera, psis: &[f64]) -> Result<Vec<Plot>, NoPsf> {
+    let directions: &[&str] =
+        if has_one_response(camera) { &[""] } else { &[" along rows", " along columns"] };
+    let of_channels = Channel::ALL.map(|channel| {
+        let of = |&psi: &f64| otfs(camera, channel, psi, Footprint::Lens);
+        psis.par_iter().map(of).collect::<Result<Vec<_>, _>>()
+    });
+    let mut plots = vec![];
+    for (direction, along) in directions.iter().enumerate() {
+        for (responses, (name, _)) in of_channels.iter().zip(CHANNELS) {
+            let own = responses.as_ref().map_err(Clone::clone)?.iter().map(|both| &both[direction]);
+            let title = format!("{}: {name}{along}", camera.name);
+            plots.push(response_plot(camera, psis, own, (title, SMALL)));
+        }
+    }
+    Ok(plots)
+}
+
+/// Whether the lens differs from [`without_mask`].
+fn is_masked(camera: &Camera) -> bool {
+    !camera.is_clear() || camera.psf_bank.is_some()
+}
+
+/// One response for each ψ over frequency. A bank does not say what is beyond half a cycle a pixel: its lines end there.
+fn response_plot<'a>(
+    camera: &Camera,
+    psis: &[f64],
+    responses: impl Iterator<Item = &'a Otf>,
+    (title, size): (String, [f64; 2]),
+) -> Plot {
     let cutoff = green_cutoff_per_mm(camera);
     let last = psis.len().saturating_sub(1).max(1) as f64;
-    let series = psis.iter().enumerate().map(|(index, &psi)| {
-        let response = otf(camera, Channel::Green, psi, Footprint::Lens)?;
-        let share = |i: u32| f64::from(i) / f64::from(POINTS);
-        let points = (0..=POINTS).map(|i| [share(i), response.at(share(i) * cutoff)]);
-        Ok(Series::new(depth(camera, psi), Mark::Line, points).coloured(sequential(index as f64 / last)))
+    let series = psis.iter().zip(responses).enumerate().map(|(index, (&psi, response))| {
+        let shares = (0..=POINTS).map(|i| f64::from(i) / f64::from(POINTS));
+        let known = shares.filter(|share| share * cutoff <= response.end_per_mm() + 1e-9);
+        let points: Vec<_> = known.map(|share| [share, response.at(share * cutoff)]).collect();
+        Series::new(depth(camera, psi), Mark::Line, points).coloured(sequential(index as f64 / last))
     });
-    Ok(Plot {
-        title: format!("Response to spatial frequency, green: {}", camera.name),
-        x: Axis::linear("frequency / cut-off").from(0.0).to(1.0),
+    Plot {
+        title,
+        x: Axis::linear("frequency / cut-off of green").from(0.0).to(1.0),
         y: Axis::linear("contrast").to(1.0),
-        size: USUAL,
-        series: series.collect::<Result<_, NoPsf>>()?,
-    })
+        size,
+        series: series.collect(),
+    }
 }
 
 /// Figure 1(b): contrast of red, green and blue at a quarter of green's cut-off through focus; dotted without the mask.
@@ -97,7 +151,7 @@ pub fn contrast_plot(camera: &Camera) -> Result<Plot, NoPsf> {
         Ok(CHANNELS.into_iter().enumerate().map(curve).collect())
     };
     let mut series = curves(camera, Mark::Line, "")?;
-    if !camera.is_clear() || camera.psf_bank.is_some() {
+    if is_masked(camera) {
         series.extend(curves(&without_mask(camera), Mark::Dotted, ", no mask")?);
     }
     Ok(Plot {
@@ -187,6 +241,7 @@ fn reach(kernel: &Array2<f32>) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use edof_core::camera::{Kernels, PsfBank};
 
     #[test]
     fn contrast_is_shown_with_and_without_the_mask() {
@@ -203,6 +258,64 @@ mod tests {
         let plot = mtf_plot(&Camera::resolve("clear").unwrap(), &[0.0, 5.0]).unwrap();
         assert!(plot.series.iter().all(|s| s.points[0] == [0.0, 1.0]));
         assert!(plot.series[1].points.iter().any(|p| p[1] < 0.0), "reversed contrast at 5");
+    }
+
+    /// A lens of two points, one above the other, at depths 0 and 4.
+    fn banked() -> Camera {
+        let points =
+            ndarray::Array4::from_shape_fn(
+                (2, 3, 3, 3),
+                |(_, _, row, column)| {
+                    if column == 1 && row < 2 { 0.5 } else { 0.0 }
+                },
+            );
+        let kernels = Some(Kernels::new(vec![0.0, 4.0], points.view(), None).unwrap().into());
+        let bank = PsfBank { file: "points".into(), sha256: String::new(), centre: false, kernels };
+        Camera { psf_bank: Some(bank), ..Camera::resolve("clear").unwrap() }
+    }
+
+    /// Titles of a figure's diagrams.
+    fn titles(svg: &str) -> Vec<&str> {
+        svg.split("class=\"title\"")
+            .skip(1)
+            .map(|rest| &rest[rest.find('>').unwrap() + 1..rest.find('<').unwrap()])
+            .collect()
+    }
+
+    #[test]
+    fn a_figure_has_a_diagram_for_each_colour_and_where_they_differ_for_rows_and_columns() {
+        let ring = Camera::resolve("ring-outer").unwrap();
+        let figure = |camera: &Camera| mtf_figure(camera, &[0.0, 4.0]).unwrap();
+        let round = figure(&ring);
+        assert_eq!(
+            titles(&round),
+            [
+                "ring-outer without mask: red",
+                "ring-outer without mask: green",
+                "ring-outer without mask: blue",
+                "ring-outer: red",
+                "ring-outer: green",
+                "ring-outer: blue"
+            ]
+        );
+        assert_eq!((round.matches(">ψ = 0</text>").count(), round.matches(">ψ = 4</text>").count()), (1, 1));
+        let clear = figure(&Camera::resolve("clear").unwrap());
+        assert_eq!(titles(&clear).len(), 3);
+        let banked = figure(&banked());
+        let titles = titles(&banked);
+        assert_eq!(titles.len(), 9);
+        assert_eq!((titles[3], titles[8]), ("clear: red along rows", "clear: blue along columns"));
+    }
+
+    #[test]
+    fn a_response_ends_where_a_bank_knows_no_more() {
+        let camera = banked();
+        let plots = response_plots(&camera, &[0.0]).unwrap();
+        let [along_rows, along_columns] =
+            [1, 4].map(|plot: usize| *plots[plot].series[0].points.last().unwrap());
+        let nyquist = 500.0 / camera.pixel_pitch_um / green_cutoff_per_mm(&camera);
+        assert!(along_rows[0] <= nyquist && nyquist < along_rows[0] + 1.0 / f64::from(POINTS), "{nyquist}");
+        assert!(along_rows[1] > 0.9 && along_columns[1].abs() < 0.2, "{along_rows:?} {along_columns:?}");
     }
 
     #[test]

@@ -29,7 +29,7 @@
 //! | | [`lens`] | MTF, contrast through focus, a sheet of PSFs |
 //! | | [`live`] | a picture before a lens that is moved while somebody looks |
 //! | tell | [`summary`] | averages, worst depths, what fixed point and 4:2:2 cost |
-//! | | [`tables`] | the same for a terminal, as Markdown and as a report; in LaTeX with standard errors (`Study::to_latex`) |
+//! | | [`tables`] | the same with standard errors, for a terminal, as Markdown, as a report and in LaTeX (`Study::to_latex`) |
 //! | | [`speed`] | what rows of one depth say together, and what the paper says |
 //! | | [`pictures`] | pictures of a scene of several depths, judged depth by depth |
 //! | | [`demo_report`] | the demo's verdict and its report |

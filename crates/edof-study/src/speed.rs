@@ -7,6 +7,7 @@ pub use claims::Claim;
 
 use crate::made::Made;
 use crate::methods::method::{Family, Format, Method};
+use crate::metrics::paired::{Paired, with_error};
 use crate::metrics::quality::{Means, Quality, cell, columns};
 use crate::report::plot::{Axis, Mark, PALETTE, Plot, Series, Shape, stacked};
 use crate::report::{Report, Table};
@@ -154,7 +155,7 @@ impl Speed {
     fn explanation(&self) -> String {
         let photos = self.points.iter().map(|p| p.photos).max().unwrap_or(0);
         format!(
-            "Means over {photos} photographs; differences are paired by photograph, with the standard error of their mean.{} PSNR in dB over red, green and blue, peak 1, border 8 cropped: of light, the method's values not clipped, where a \
+            "Means over {photos} photographs, of PSNR with the standard error; differences are paired by photograph, with that of their mean.{} PSNR in dB over red, green and blue, peak 1, border 8 cropped: of light, the method's values not clipped, where a \
              photograph's numbers are taken for it; of the encoded picture, clipped to 0…1, where they are decoded (“real light”). Time is wall-clock on {}, all threads, without preparation, which is done once for a camera, a depth \
              and a noise level and stands beside it: kernels, dictionaries and what follows from them. CPU seconds are those that all threads together \
              were on a processor: what else the machine did is not in them. Steps are those of iterative methods, mean over patches or colours. Memory is the most that \
@@ -363,7 +364,9 @@ fn averages<'a>(points: impl Iterator<Item = &'a Point>) -> Table {
             .nonzeros_a_patch
             .as_ref()
             .map(|n| n.iter().map(|n| format!("{n:.1}")).collect::<Vec<_>>().join(" / "));
-        let mut cells = vec![p.method.clone(), format!("{:.2}", p.psnr_db)];
+        let each: Vec<f64> = p.photo_psnr_db.values().copied().collect();
+        let error = Paired::of(&each).and_then(|paired| paired.standard_error);
+        let mut cells = vec![p.method.clone(), with_error(p.psnr_db, error)];
         cells.extend(metrics.iter().map(|metric| cell(&p.means, metric)));
         cells.extend([
             format!("{:.3}", p.seconds_per_megapixel),

@@ -113,6 +113,8 @@ pub struct DepthCurve {
     pub worst_db: f64,
     /// Which depth that is.
     pub worst_psi: f64,
+    /// Standard errors over photographs of the means at the farthest depth, at the worst one and over depths; none of one photograph.
+    pub standard_errors_db: [Option<f64>; 3],
     /// Means of the metrics that tables show.
     #[serde(flatten)]
     pub means: Means,
@@ -192,13 +194,27 @@ impl DepthCurve {
         self.psi_db.last().copied().unwrap_or([f64::NAN; 2])
     }
 
+    /// Means at the farthest depth, at the worst one and over depths, each with its standard error.
+    #[must_use]
+    pub fn cells(&self) -> [(f64, Option<f64>); 3] {
+        let means = [self.farthest()[1], self.worst_db, self.average_db];
+        std::array::from_fn(|place| (means[place], self.standard_errors_db[place]))
+    }
+
     fn of(rows: &[&Measured], quality: impl Fn(&Measured) -> Quality) -> Self {
         let psi_db: Vec<[f64; 2]> = ascending(rows.iter().map(|r| r.psi))
             .into_iter()
             .map(|psi| [psi, mean(rows.iter().filter(|r| r.psi == psi).map(|r| quality(r).psnr_db()))])
             .collect();
         let worst = psi_db.iter().copied().min_by(|a, b| a[1].total_cmp(&b[1])).unwrap_or([f64::NAN; 2]);
+        let error_at = |psi: Option<f64>| {
+            let own = rows.iter().filter(|row| psi.is_none_or(|psi| row.psi == psi));
+            let by_photo = means_by_photo(own.map(|row| (row.image.as_str(), quality(row).psnr_db())));
+            Paired::of(&by_photo.into_values().collect::<Vec<_>>())?.standard_error
+        };
+        let farthest = psi_db.last().map(|last| last[0]);
         Self {
+            standard_errors_db: [farthest, Some(worst[0]), None].map(error_at),
             average_db: mean(psi_db.iter().map(|p| p[1])),
             worst_db: worst[1],
             worst_psi: worst[0],
@@ -286,11 +302,13 @@ pub(crate) fn by_photo(
         (&r.identity, r.camera.as_str(), r.noise) == (method, camera, noise)
             && psi.is_none_or(|psi| r.psi == psi)
     };
-    let mut all: BTreeMap<String, Vec<f64>> = BTreeMap::new();
-    for row in rows.iter().filter(own) {
-        all.entry(row.image.clone()).or_default().push(row.picture.psnr_db());
-    }
-    all.into_iter().map(|(photo, db)| (photo, mean(db.into_iter()))).collect()
+    means_by_photo(rows.iter().filter(own).map(|row| (row.image.as_str(), row.picture.psnr_db())))
+}
+
+fn means_by_photo<'a>(numbers: impl Iterator<Item = (&'a str, f64)>) -> BTreeMap<String, f64> {
+    let mut all: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    numbers.for_each(|(photo, db)| all.entry(photo).or_default().push(db));
+    all.into_iter().map(|(photo, db)| (photo.to_owned(), mean(db.into_iter()))).collect()
 }
 
 /// A line for each network that has float rows alone.

@@ -4,6 +4,7 @@ use crate::kodak::Row;
 use crate::made::Made;
 use crate::methods::method::{Family, Format, Method};
 use crate::metrics::metric::Place;
+use crate::metrics::paired::with_error;
 use crate::metrics::quality::{cell, columns};
 use crate::report::picture::Encoded;
 use crate::report::plot::{Axis, Mark, PALETTE, Plot, SMALL, Series};
@@ -118,7 +119,7 @@ impl Study {
         };
         format!(
             "Means over {}. PSNR in dB over red, green and blue, peak {}, border {} cropped, {measured}; SSIM is the mean of \
-             the colours. Each cell: at ψ = {} / at the worst ψ / average over ψ; SSIM over all.{}",
+             the colours. Each cell: at ψ = {} / at the worst ψ / average over ψ, each ± its standard error over photographs; SSIM over all.{}",
             count(self.rows.iter().map(|r| &r.image).collect::<BTreeSet<_>>().len(), "photograph"),
             self.measure.peak,
             self.measure.border,
@@ -303,10 +304,8 @@ impl Summary {
     fn quality(&self, course: impl Fn(&MethodSummary) -> &DepthCurve) -> Table {
         let metrics = columns(std::iter::empty());
         let titles = || metrics.iter().map(|metric| metric.heading());
-        let psnr = |course: &DepthCurve| {
-            let farthest = course.farthest()[1];
-            format!("{farthest:.2} / {:.2} / {:.2}", course.worst_db, course.average_db)
-        };
+        let psnr =
+            |course: &DepthCurve| course.cells().map(|(mean, error)| with_error(mean, error)).join(" / ");
         let cells = |course: &DepthCurve| {
             let means = metrics.iter().map(|metric| cell(&course.means, metric));
             std::iter::once(psnr(course)).chain(means).collect()
@@ -427,6 +426,19 @@ mod tests {
             row(&net(Format::Float), "p", 8.0, noisy, 30.0),
         ];
         Study::of(rows.into_iter().map(|row| Measured { tone, ..row }).collect())
+    }
+
+    #[test]
+    fn a_cell_has_the_standard_errors_over_photographs() {
+        let at = |image: &str, psi: f64, db: f64| row(&net(Format::Float), image, psi, Noise::None, db);
+        // At psi 0: 30 and 31 dB, at psi 8: 28 and 32 dB, averages over depths 29 and 31.5 dB. The error of two is half of their difference.
+        let study =
+            Study::of(vec![at("p", 0.0, 30.0), at("q", 0.0, 31.0), at("p", 8.0, 28.0), at("q", 8.0, 32.0)]);
+        let page = study.to_markdown(&Made::by(""));
+        assert!(
+            page.contains("| n.float | clear | 30.00 ± 2.00 / 30.00 ± 2.00 / 30.25 ± 1.25 | 0.900 |"),
+            "{page}"
+        );
     }
 
     #[test]

@@ -301,7 +301,7 @@ fn blind_deconvolution_diverges_on_no_photograph() {
     diverges_on_none("blind-train", 16);
 }
 
-/// What documents quote of a page's first table, without SSIM and narrow: demosaicing and the networks in fixed point, for each of the two lenses.
+/// What documents quote of a page's first table, without SSIM and standard errors, and narrow: demosaicing and the networks in fixed point, for each of the two lenses.
 fn quotable(file: &str) -> Vec<String> {
     let page = read(file);
     let table: Vec<Vec<&str>> = page
@@ -325,7 +325,9 @@ fn quotable(file: &str) -> Vec<String> {
     let rows: Vec<_> = rows.iter().filter(|row| is_quoted(row)).collect();
     assert!(rows.len() >= 4, "{file}: demosaicing and a network for each lens");
     let cells = |row: &Vec<&str>| {
-        let kept = [1, 2, 3, 5, 7].map(|column| row[column].replace(" / ", "/"));
+        let means = |cell: &str| cell.split(" ± ").next().unwrap_or_default().to_owned();
+        let narrow = |cell: &str| cell.split(" / ").map(means).collect::<Vec<_>>().join("/");
+        let kept = [1, 2, 3, 5, 7].map(|column| narrow(row[column]));
         if row[1].starts_with('-') {
             "|---|---|---|---|---|".into()
         } else {

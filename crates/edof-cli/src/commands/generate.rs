@@ -61,7 +61,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let network = weights::fixed(&args.weights)?;
     ui.used(weights::fixed_input(&args.weights)?);
     designs::fits_given(&design, &args.design, &network)?;
-    design.clocks().map_err(|e| said::of_file(&args.design, e))?;
+    design.check_board().map_err(|e| said::of_file(&args.design, e))?;
     let shell =
         bitstream::shell(&design, args.shell.as_deref()).map_err(|e| said::of_file(&args.design, e))?;
     let progress = ui.progress(1, "sources");

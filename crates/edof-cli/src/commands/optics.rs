@@ -23,7 +23,7 @@ use edof_optics::distance_m;
 use edof_optics::estimator::{Task, Verdict, judge};
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
 use edof_optics::{Footprint, green_cutoff_per_mm, otf, sampled_otf, through_focus};
-use edof_study::lens::{contrast_plot, mtf_plot, psf_sheet, without_mask};
+use edof_study::lens::{contrast_plot, mtf_figure, mtf_plot, psf_sheet, without_mask};
 use edof_study::report::picture::png;
 use edof_study::report::plot::side_by_side;
 use ndarray::{Array1, Array2, Array3, Array4, aview1};
@@ -33,7 +33,8 @@ use std::path::{Path, PathBuf};
 /// Compute PSF, MTF and contrast over depth of a camera, or design a mask
 ///
 /// Writes figure1.svg, the paper's Figure 1 (response to spatial frequency without the mask, contrast through focus with
-/// and without it), and mtf.svg (response without and with the mask). Also writes psf.png, the visible part of the point spread functions
+/// and without it), and mtf.svg (response of red, green and blue without and with the mask; along rows and columns where they
+/// differ). Also writes psf.png, the visible part of the point spread functions
 /// (each channel scaled to its peak; first row with the mask, second without). Writes the same as numbers for NumPy: psf.npz (a PSF
 /// bank, which --psf-bank reads) and mtf.npz (OTF and MTF; docs/your-own-lens.md lists the arrays).
 ///
@@ -207,8 +208,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (settings, psis) = (args.settings()?, args.depths(&camera)?);
     let files = FILES.map(|name| args.out.join(name));
     let clear = without_mask(&camera);
-    let (mtf_clear, mtf) = (mtf_plot(&clear, &psis)?, mtf_plot(&camera, &psis)?);
-    let figure1 = side_by_side(&[mtf_clear.clone(), contrast_plot(&camera)?]);
+    let figure1 = side_by_side(&[mtf_plot(&clear, &psis)?, contrast_plot(&camera)?]);
+    let mtf = mtf_figure(&camera, &psis)?;
     let progress = ui.progress(psis.len() as u64, "depths");
     let psfs = psis.iter().enumerate().map(|(done, &psi)| {
         interrupt::check()?;
@@ -222,7 +223,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let depths = psis.iter().zip(&psfs).map(|(&psi, psfs)| shown(&camera, psi, psfs));
     let depths = depths.collect::<Result<Vec<_>, _>>()?;
     edof_core::storage::atomic::write(&files[0], figure1.as_bytes())?;
-    edof_core::storage::atomic::write(&files[1], side_by_side(&[mtf_clear, mtf]).as_bytes())?;
+    edof_core::storage::atomic::write(&files[1], mtf.as_bytes())?;
     edof_core::storage::atomic::write(&files[2], &sheet)?;
     psf_numbers(&camera, &psis, &psfs)?.save(&files[3])?;
     mtf_numbers(&camera, &psis, &psfs)?.save(&files[4])?;

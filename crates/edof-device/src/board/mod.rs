@@ -102,7 +102,7 @@ pub struct VideoOut {
 /// How a video output shows frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Frames {
-    /// As whole screens of these modes. Smaller ones are for simulation, with the slowest pixel clock in kilohertz.
+    /// As whole screens of these modes. Frames of other sizes are not shown, and have the slowest pixel clock in kilohertz.
     OfModes(&'static [VideoTiming], u64),
     /// In the middle of a screen, in black.
     Middle(VideoTiming),

@@ -5,8 +5,8 @@ use crate::board::{Frames, MadeClock, Setup, Source, VideoIn, VideoOut};
 use crate::video::VideoTiming;
 use edof_core::words::number;
 
-/// Sides below which a frame that is of no video mode is accepted, for simulation.
-pub const SIMULATED_SIDES: (usize, usize) = (640, 480);
+/// Sides below which frames stand for those of a video mode, in simulations.
+const SIMULATED_SIDES: (usize, usize) = (640, 480);
 /// How far around a clock that cannot be made one is looked for that can, in kilohertz.
 const SEARCH_KHZ: u64 = 5_000;
 
@@ -23,8 +23,8 @@ impl Design {
     /// Returns the clocks of the design on its board.
     ///
     /// # Errors
-    /// [`DesignError::Field`] for a calculator's clock that no PLL makes (it names the next ones that can be made), and for frames that no
-    /// video mode has.
+    /// [`DesignError::Field`] for a calculator's clock that no PLL makes (it names the next ones that can be made), and for frames that are larger
+    /// than the screen around them.
     pub fn clocks(&self) -> Result<Clocks, DesignError> {
         let screen = |video: &VideoOut| self.screen_clock(video);
         let calculator = self.calculator_clock()?;
@@ -100,6 +100,21 @@ impl Design {
         self.clocks().map(drop)
     }
 
+    /// Rejects frames that no cable of the board carries. Small ones pass, since they stand for others in simulations.
+    ///
+    /// # Errors
+    /// [`DesignError::Field`] for frames that are of no video mode and not below 640×480.
+    pub fn check_video(&self) -> Result<(), DesignError> {
+        let (columns, rows) = SIMULATED_SIDES;
+        let is_simulated = self.frame.width < columns && self.frame.height < rows;
+        match self.board.video_out.as_ref().map(|video| video.frames) {
+            Some(Frames::OfModes(modes, _)) if !is_simulated && self.mode_of(modes).is_none() => {
+                Err(self.no_mode(modes))
+            }
+            _ => Ok(()),
+        }
+    }
+
     fn calculator_clock(&self) -> Result<MadeClock, DesignError> {
         let khz = self.clock_mhz * 1e3;
         let nearest = khz.round() as u64;
@@ -123,24 +138,28 @@ impl Design {
         })
     }
 
-    /// Returns the pixel clock of the screen, from the video mode of the frames.
+    /// Returns the pixel clock of the screen: of the video mode of the frames, the board's slowest where they have none.
     fn screen_clock(&self, video: &VideoOut) -> Result<MadeClock, DesignError> {
         let (modes, slowest) = match video.frames {
             Frames::OfModes(modes, slowest) => (modes, slowest),
             Frames::Middle(screen) => return self.clock_of_larger(screen),
         };
+        let khz = self.mode_of(modes).map_or(slowest, |mode| mode.pixel_khz as u64);
+        self.board.clock(khz).ok_or_else(|| self.no_mode(modes))
+    }
+
+    fn mode_of(&self, modes: &[VideoTiming]) -> Option<VideoTiming> {
+        VideoTiming::mode(self.frame).filter(|mode| modes.contains(mode))
+    }
+
+    fn no_mode(&self, modes: &[VideoTiming]) -> DesignError {
         let (columns, rows) = SIMULATED_SIDES;
-        let is_simulated = self.frame.width < columns && self.frame.height < rows;
-        let mode = VideoTiming::mode(self.frame).filter(|mode| modes.contains(mode));
-        let khz = mode.map(|mode| mode.pixel_khz as u64).or(is_simulated.then_some(slowest));
-        khz.and_then(|khz| self.board.clock(khz)).ok_or_else(|| {
-            let mut sizes: Vec<String> = modes.iter().map(|mode| mode.size()).collect();
-            sizes.dedup();
-            let sizes = sizes.join(", ");
-            self.frame_error(format!(
-                "the size of a video mode ({sizes}), or below {columns}x{rows} for simulation"
-            ))
-        })
+        let mut sizes: Vec<String> = modes.iter().map(|mode| mode.size()).collect();
+        sizes.dedup();
+        let sizes = sizes.join(", ");
+        self.frame_error(format!(
+            "the size of a video mode ({sizes}), or below {columns}x{rows} for simulation"
+        ))
     }
 
     /// Returns the pixel clock of a screen in whose middle the frames are.
@@ -185,10 +204,6 @@ mod tests {
     fn clocks_and_frames_that_no_board_has_are_rejected_in_words() {
         for (design, words) in [
             (
-                design(200.0, 1366, 768),
-                "frame 1366x768: must be the size of a video mode (1280x720, 1920x1080), or below",
-            ),
-            (
                 design(199.999, 1280, 720),
                 "clock_mhz 199.999: must be a clock that an MMCM makes of 200 MHz, such as 199.6 or 200",
             ),
@@ -196,6 +211,22 @@ mod tests {
         ] {
             let error = design.clocks().unwrap_err().to_string();
             assert!(error.starts_with(words), "{error}");
+        }
+    }
+
+    #[test]
+    fn video_alone_needs_frames_of_a_mode() {
+        for (width, height) in [(640, 480), (1456, 1088), (1366, 768)] {
+            let design = design(200.0, width, height);
+            assert_eq!(design.clocks().unwrap().screen.unwrap().khz, 25_000);
+            let error = design.check_video().unwrap_err().to_string();
+            let words = format!(
+                "frame {width}x{height}: must be the size of a video mode (1280x720, 1920x1080), or below"
+            );
+            assert!(error.starts_with(&words), "{error}");
+        }
+        for (width, height) in [(1280, 720), (1920, 1080), (320, 240)] {
+            design(200.0, width, height).check_video().unwrap();
         }
     }
 

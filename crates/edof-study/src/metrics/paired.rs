@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 pub struct Paired {
     /// Mean of the differences.
     pub mean: f64,
-    /// Standard error of the mean: the differences' standard deviation (n − 1) over √n; none of one difference.
+    /// Standard error of the mean: the differences' standard deviation (n − 1) over √n; none of one difference, or of infinite ones.
     pub standard_error: Option<f64>,
     /// How many photographs.
     pub photos: usize,
@@ -22,7 +22,7 @@ impl Paired {
         let mean = mean(differences.iter().copied())?;
         let count = differences.len() as f64;
         let squares: f64 = differences.iter().map(|d| (d - mean).powi(2)).sum();
-        let standard_error = (differences.len() > 1).then(|| (squares / (count - 1.0) / count).sqrt());
+        let standard_error = Some((squares / (count - 1.0) / count).sqrt()).filter(|error| error.is_finite());
         Some(Self { mean, standard_error, photos: differences.len() })
     }
 
@@ -34,11 +34,17 @@ impl Paired {
     }
 }
 
+/// Returns a mean of a table with its standard error, as in `34.20 ± 0.62`.
+#[must_use]
+pub fn with_error(mean: f64, standard_error: Option<f64>) -> String {
+    standard_error.map_or_else(|| format!("{mean:.2}"), |error| format!("{mean:.2} ± {error:.2}"))
+}
+
 impl std::fmt::Display for Paired {
     /// As in `+1.15 ± 0.17`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{:+.2}", self.mean)?;
-        self.standard_error.map_or(Ok(()), |error| write!(f, " ± {error:.2}"))
+        let sign = if self.mean.is_sign_negative() { "" } else { "+" };
+        write!(f, "{sign}{}", with_error(self.mean, self.standard_error))
     }
 }
 
@@ -54,6 +60,8 @@ mod tests {
         assert_eq!((paired.to_string().as_str(), paired.photos), ("+0.75 ± 0.57", 10));
         assert_eq!(Paired::of(&[-0.25]).unwrap().to_string(), "-0.25");
         assert_eq!(Paired::of(&[]), None);
+        let perfect = Paired::of(&[f64::INFINITY, 30.0]).unwrap();
+        assert_eq!(with_error(perfect.mean, perfect.standard_error), "inf");
     }
 
     #[test]

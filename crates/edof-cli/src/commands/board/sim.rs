@@ -108,7 +108,7 @@ fn is_codes(file: &Path) -> bool {
 pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
     let given = args.design.as_deref().unwrap_or("tiny");
     let design = sized(designs::load(given)?, sim.size)?;
-    design.clocks().map_err(|e| said::of_file(given, e))?;
+    design.check_board().and_then(|()| design.check_video()).map_err(|e| said::of_file(given, e))?;
     sim.check_video(design.board)?;
     let network = network(&design, given, sim.weights.as_deref())?;
     let (raw, display) = (frame(&design, sim)?, Display::of_network(&network));

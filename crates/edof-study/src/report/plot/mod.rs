@@ -196,8 +196,10 @@ impl Plot {
         }
         svg.push_str("</g>\n");
         self.name_points(&mut svg, &x, &y);
-        if has_legend {
-            self.draw_legend(&mut svg, width - right + 14.0);
+        match self.legend_below() {
+            _ if !has_legend => {}
+            Some(columns) => self.draw_legend(&mut svg, [LEFT, height], columns),
+            None => self.draw_legend(&mut svg, [width - right + 14.0, TOP + 10.0], 1),
         }
         svg.push_str("</g>\n");
         svg
@@ -212,10 +214,17 @@ impl Plot {
         if longest == 0 { 16.0 } else { (longest as f64).mul_add(LETTER[0], 58.0) }
     }
 
-    /// Columns of a legend below the plot; none for a legend next to it.
+    /// Columns of a legend below the plot; none for a legend next to it, where it takes little of the width and is not higher than the plot.
     fn legend_below(&self) -> Option<usize> {
-        let (own, width) = (self.legend_width(), self.size[0]);
-        (own > LEGEND_SHARE * width).then(|| (((width - LEFT) / own) as usize).max(1))
+        let [width, height] = self.size;
+        let lines = self.in_legend().count() as f64 * LINE_HEIGHT;
+        let is_beside = self.legend_width() <= LEGEND_SHARE * width && lines <= height - TOP - BOTTOM;
+        (!is_beside).then(|| self.legend_columns(width))
+    }
+
+    /// Columns of a legend with so much width.
+    fn legend_columns(&self, width: f64) -> usize {
+        (((width - LEFT) / self.legend_width()) as usize).max(1)
     }
 
     fn draw_frame(&self, svg: &mut String, x: &Ruler, y: &Ruler) {
@@ -309,16 +318,10 @@ impl Plot {
         self.series.iter().enumerate().filter(|(_, s)| !s.label.is_empty() && !s.is_named_at_points)
     }
 
-    fn draw_legend(&self, svg: &mut String, left: f64) {
-        let below = self.legend_below();
+    fn draw_legend(&self, svg: &mut String, [left, top]: [f64; 2], columns: usize) {
         for (place, (index, series)) in self.in_legend().enumerate() {
-            let (left, y) = match below {
-                Some(columns) => (
-                    LEFT + self.legend_width() * (place % columns) as f64,
-                    self.size[1] + LINE_HEIGHT * (place / columns) as f64,
-                ),
-                None => (left, TOP + 10.0 + LINE_HEIGHT * place as f64),
-            };
+            let left = self.legend_width().mul_add((place % columns) as f64, left);
+            let y = LINE_HEIGHT.mul_add((place / columns) as f64, top);
             draw_mark(svg, series, index, [left, y]);
             let _ = writeln!(
                 svg,
@@ -329,6 +332,21 @@ impl Plot {
             );
         }
     }
+}
+
+/// Diagrams of one size whose series have the same names and colours, row by row with N in each, as one SVG document with one legend below all.
+#[must_use]
+pub fn grid(plots: &[Plot], columns: usize) -> String {
+    let Some(first) = plots.first() else { return document([0.0; 2], "") };
+    let [width, height] = first.size;
+    let whole = [width * columns as f64, height * plots.len().div_ceil(columns) as f64];
+    let corner = |place: usize| [width * (place % columns) as f64, height * (place / columns) as f64];
+    let mut inside: String =
+        plots.iter().enumerate().map(|(place, plot)| plot.group(corner(place), false)).collect();
+    let (entries, top) = (first.legend_columns(whole[0]), whole[1] + 0.5 * LINE_HEIGHT);
+    first.draw_legend(&mut inside, [LEFT, top], entries);
+    let lines = first.in_legend().count().div_ceil(entries);
+    document([whole[0], LINE_HEIGHT.mul_add(lines as f64, top)], &inside)
 }
 
 /// Several diagrams in a row, as one SVG document.

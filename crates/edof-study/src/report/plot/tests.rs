@@ -130,6 +130,24 @@ fn a_legend_that_would_take_much_of_the_width_stands_below() {
 }
 
 #[test]
+fn a_legend_that_is_higher_than_its_plot_stands_below() {
+    let series: Vec<Series> =
+        (0..18).map(|i| Series::new(format!("{i}"), Mark::Line, [[0.0, 1.0]])).collect();
+    let of = |count: usize| Plot { series: series[..count].to_vec(), ..plot(Axis::linear("x"), &[]) };
+    // 400 pixels less title and axis are room for 17 lines.
+    assert_eq!(of(17).whole_size(), USUAL);
+    assert_eq!(of(18).whole_size(), [640.0, 400.0 + 3.0 * LINE_HEIGHT]);
+}
+
+#[test]
+fn a_grid_has_one_legend_below_all() {
+    let one = Plot { size: SMALL, ..plot(Axis::linear("x"), &[[0.0, 1.0]]) };
+    let all = grid(&vec![one.clone(); 5], 3);
+    assert!(all.contains("viewBox=\"0 0 1200 627\"") && all.contains("translate(400 300)"), "{all}");
+    assert_eq!(all.matches(&format!(">{}</text>", escape(&one.series[0].label))).count(), 1, "{all}");
+}
+
+#[test]
 fn diagrams_below_each_other_are_as_high_as_all() {
     let one = plot(Axis::linear("x"), &[[0.0, 1.0]]);
     let both = stacked(&[one.clone(), Plot { size: [700.0, 300.0], ..one }]);
