@@ -75,7 +75,7 @@ for line in "${networks[@]}"; do
         "$edof" train "${from[@]}" --camera "$camera" --tone "$tone" --leave-out "$held_back" ${rounds[round]} --out "$out" $(resume "$out") --force
     done
     say "$name: quantizing"
-    "$edof" quantize "weights/$name.safetensors" --images "$calibration" --out "weights/$name.fixed.safetensors" --force
+    "$edof" quantize "weights/$name.safetensors" --images "$calibration" --frames all --out "weights/$name.fixed.safetensors" --force
     say "$name: $((SECONDS - begun)) seconds"
 done
 say "all of it: $SECONDS seconds"

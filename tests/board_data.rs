@@ -269,4 +269,7 @@ fn long_work_writes_its_progress_remarks_and_failure_as_lines_of_data() {
         "quantize net.safetensors --images photos --photos all --out net.fixed.safetensors --progress json";
     let lines = progress(&place.edof(quantize).done().err);
     assert!(lines.iter().any(|line| line["progress"] == "pictures captured"), "{lines:?}");
+    let expected = lines.iter().find(|line| line["of"].is_number()).unwrap();
+    assert!(expected["frames"].as_u64() <= expected["of"].as_u64(), "{expected}");
+    assert!(expected["seconds"].as_f64().unwrap() > 0.0, "{expected}");
 }

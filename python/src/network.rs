@@ -252,7 +252,7 @@ fn quantized(
     pictures: &[(String, ColourFrame)],
     stop: &AtomicBool,
 ) -> PyResult<FixedNetwork> {
-    let scenes = capture::capture(pictures, &network.origin, |_| ()).or_raise()?;
+    let scenes = capture::capture(pictures, &network.origin, capture::FRAMES, |_| ()).or_raise()?;
     let frames = scenes.iter().map(|scene| &scene.raw);
     let calibration = Calibration::measure_while(network, frames, |_| job::flow(stop)).or_raise()?;
     let (mut fixed, _) = edof_quantize::quantize(network, options, &calibration, hash).or_raise()?;

@@ -108,7 +108,14 @@ const COMMANDS: [(&str, &[Group]); 16] = [
             ("Files to write", "name out"),
         ],
     ),
-    ("quantize", &[("Integers", "bits headroom stride overlap"), ("Fine-tuning", "finetune finetune-rate")]),
+    (
+        "quantize",
+        &[
+            ("Integers", "bits headroom stride overlap"),
+            ("Photographs", "images photos frames"),
+            ("Fine-tuning", "finetune finetune-rate"),
+        ],
+    ),
     (
         "demo",
         &[

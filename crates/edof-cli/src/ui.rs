@@ -13,8 +13,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
 
-/// In a pipe, a plain line of progress comes this often.
+/// In a pipe, a plain line of progress comes this often; the first one, from which the time that is left is known, comes sooner.
 const PLAIN_EVERY: Duration = Duration::from_secs(10);
+const FIRST_PLAIN: Duration = Duration::from_secs(2);
 /// Lines of JSON come this often, besides the first and the last of a piece of work.
 const DATA_EVERY: Duration = Duration::from_secs(1);
 
@@ -202,7 +203,8 @@ impl Ui {
             ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden())
         };
         let plain = (!terminal && !self.quiet).then(|| {
-            Mutex::new(Plain { begun: Instant::now(), last: Instant::now(), told: None, first: None })
+            let now = Instant::now();
+            Mutex::new(Plain { begun: now, last: now, has_estimate: false, told: None, first: None })
         });
         if plain.is_some() && in_data() {
             data_line(&serde_json::json!({ "progress": what, "done": 0, "total": total }));
@@ -224,6 +226,8 @@ struct Plain {
     begun: Instant,
     /// When the last one was written.
     last: Instant,
+    /// Whether one stated the time that is left.
+    has_estimate: bool,
     /// Last step that was reported to a program.
     told: Option<u64>,
     /// Time and number of the first reported step: a resumed job did the steps before it in an earlier run.
@@ -240,8 +244,10 @@ impl Progress {
         if in_data() {
             return self.tell(&mut plain, position, (begun, first));
         }
-        if plain.last.elapsed() >= PLAIN_EVERY {
-            plain.last = Instant::now();
+        let since = plain.last.elapsed();
+        let is_first_estimate = !plain.has_estimate && position > first && since >= FIRST_PLAIN;
+        if since >= PLAIN_EVERY || is_first_estimate {
+            (plain.last, plain.has_estimate) = (Instant::now(), position > first);
             let message = self.bar.message();
             let gap = if message.is_empty() { "" } else { " " };
             let total = self.bar.length().unwrap_or(0);
@@ -297,11 +303,15 @@ impl Drop for Progress {
 
 /// What is left of a job of equal steps, in words.
 fn left(elapsed: Duration, done: u64, to_do: u64) -> String {
-    let Some(seconds) = seconds_left(elapsed, done, to_do) else { return String::new() };
+    seconds_left(elapsed, done, to_do).map_or_else(String::new, |seconds| format!(", {} left", span(seconds)))
+}
+
+/// Seconds in words, as in `40 s`, `9 min` or `2.0 h`.
+pub fn span(seconds: f64) -> String {
     match seconds {
-        0.0..90.0 => format!(", {seconds:.0} s left"),
-        90.0..5400.0 => format!(", {:.0} min left", seconds / 60.0),
-        _ => format!(", {:.1} h left", seconds / 3600.0),
+        0.0..90.0 => format!("{seconds:.0} s"),
+        90.0..5400.0 => format!("{:.0} min", seconds / 60.0),
+        _ => format!("{:.1} h", seconds / 3600.0),
     }
 }
 

@@ -14,6 +14,7 @@ use ndarray::Array2;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
 /// Windows that go through the float network at once.
 const BATCH: usize = 256;
@@ -92,6 +93,34 @@ impl Calibration {
             all = seen?.iter().fold(all, Self::merged);
         }
         Ok(all)
+    }
+
+    /// Returns about how long [`Calibration::measure`] takes for N frames of a size (height, width) on all threads, by the time of one batch of
+    /// windows.
+    ///
+    /// # Errors
+    /// As [`Calibration::measure`].
+    pub fn expected_time(
+        network: &Network,
+        frames: usize,
+        (height, width): (usize, usize),
+    ) -> Result<Duration, QuantizeError> {
+        network.form.check_single()?;
+        let geometry = Geometry::new(network.form.window, Stride::FINEST);
+        geometry.check_frame((height, width))?;
+        let (rows, columns) = geometry.patches(height, width);
+        let (weights, mut seen) = (flatten(network), Self::new(&network.form));
+        let mut pass = Pass::new(network.form, BATCH);
+        let inputs = vec![0.5; BATCH * network.form.window.pixels()];
+        let mut timed = || {
+            let begun = Instant::now();
+            seen.observe(&mut pass, &weights, &inputs, network.form);
+            begun.elapsed()
+        };
+        // The first time meets cold memory.
+        let one = timed().min(timed());
+        let batches = frames * (rows * columns).div_ceil(BATCH);
+        Ok(one.mul_f64(batches as f64 / rayon::current_num_threads().min(frames.max(1)) as f64))
     }
 
     fn of_frame(
@@ -355,6 +384,9 @@ mod tests {
         }
         let twice = Calibration::measure(&network, [&raw, &raw]).unwrap();
         assert_eq!(twice, seen.clone().merged(&seen));
+        let [one, many] = [1, 5000]
+            .map(|frames| Calibration::expected_time(&network, frames, raw.size()).unwrap().as_secs_f64());
+        assert!(0.0 < one && 50.0 * one < many, "{one} {many}");
         let none = Calibration::measure_while(&network, [&raw], |_| ControlFlow::Break(())).unwrap();
         assert_eq!(none, Calibration::new(&network.form));
     }

@@ -15,6 +15,8 @@ use rayon::prelude::*;
 const DEPTHS: usize = 9;
 /// Bits of the sensor.
 pub const DEPTH: u32 = 12;
+/// Scenes that are enough to measure the ranges of a network's codes on (docs/your-own-lens.md): as many as there are of the built-in pictures.
+pub const FRAMES: usize = DRAWN as usize * DEPTHS * 2;
 
 /// Built-in scenes to calibrate on where there are no photographs, and their size.
 const DRAWN: u64 = 3;
@@ -45,15 +47,23 @@ pub fn calibrated_on(origin: &Origin, windows: u64) -> CalibratedOn {
     }
 }
 
-/// Captures every picture at nine depths of the range that the network's camera is meant for and under every condition that it was
-/// trained for: each tone, without noise and with the most. `tell` hears how many pictures are done. The same pictures give the
-/// same scenes.
+/// Returns how many scenes there are of N pictures: each at nine depths of the range that the network's camera is meant for and under every
+/// condition that it was trained for, in its tone, without noise and with the most.
+#[must_use]
+pub fn scenes(pictures: usize, origin: &Origin) -> usize {
+    let shots: usize = origin.conditions.iter().map(|condition| noises(condition).len()).sum();
+    pictures * depths(origin.camera.psi_range).len() * shots
+}
+
+/// Captures at most so many of the [`scenes`] of pictures, spread evenly over pictures, depths, conditions and noise. `tell` hears how many pictures
+/// are done. The same pictures give the same scenes.
 ///
 /// # Errors
 /// [`CaptureError`]: pictures of odd sides, or a range of depths that the camera has no PSFs for.
 pub fn capture<'a>(
     pictures: &'a [(String, ColourFrame)],
     origin: &Origin,
+    most: usize,
     mut tell: impl FnMut(usize),
 ) -> Result<Vec<Scene<'a>>, CaptureError> {
     let psis = depths(origin.camera.psi_range);
@@ -62,37 +72,71 @@ pub fn capture<'a>(
         .into_iter()
         .map(|psi| Ok((psi, channel_psfs(&origin.camera, psi, &settings)?)))
         .collect::<Result<_, NoPsf>>()?;
-    let mut scenes = vec![];
+    let wanted = spread(scenes(pictures.len(), origin), most);
+    let mut place = 0;
+    let mut captured = vec![];
     for (index, (name, sharp)) in pictures.iter().enumerate() {
         for condition in &origin.conditions {
+            let shots_each = noises(condition).len();
+            let wanted = &wanted[place..place + psfs.len() * shots_each];
+            place += wanted.len();
+            if !wanted.contains(&true) {
+                continue;
+            }
             let light = condition.tone.decoded(sharp);
-            let captured: Vec<Vec<Scene<'a>>> = psfs
+            let of_depths: Vec<Vec<Scene<'a>>> = psfs
                 .par_iter()
-                .map(|(psi, psfs)| shots(name, sharp, &blur_frame(&light, psfs), *psi, condition))
+                .zip(wanted.par_chunks(shots_each))
+                .filter(|(_, wanted)| wanted.contains(&true))
+                .map(|((psi, psfs), wanted)| {
+                    shots((name, sharp), &blur_frame(&light, psfs), *psi, condition, wanted)
+                })
                 .collect::<Result<_, SensorError>>()?;
-            scenes.extend(captured.into_iter().flatten());
+            captured.extend(of_depths.into_iter().flatten());
         }
         tell(index + 1);
     }
-    Ok(scenes)
+    Ok(captured)
 }
 
-/// A blurred picture without noise and, where there is any, with the most of a condition.
+/// Which of N places to take so that at most so many are taken, evenly spread: multiples of a step near the golden section of N, without a
+/// common divisor, are so far apart at every scale.
+fn spread(all: usize, most: usize) -> Vec<bool> {
+    if all <= most {
+        return vec![true; all];
+    }
+    let mut taken = vec![false; all];
+    let step = (618 * all / 1000..).find(|step| gcd(*step, all) == 1).unwrap_or(1);
+    (0..most).for_each(|k| taken[k * step % all] = true);
+    taken
+}
+
+const fn gcd(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+/// Noises of a condition's shots: none, and where there is any, the most.
+fn noises(condition: &Condition) -> Vec<Noise> {
+    let noisy = Some(condition.noise).filter(|noise| *noise != Noise::None);
+    std::iter::once(Noise::None).chain(noisy).collect()
+}
+
+/// The wanted ones of a blurred picture's shots, one for each of [`noises`].
 fn shots<'a>(
-    name: &str,
-    sharp: &'a ColourFrame,
+    (name, sharp): (&str, &'a ColourFrame),
     blurred: &ColourFrame,
     psi: f64,
     condition: &Condition,
+    wanted: &[bool],
 ) -> Result<Vec<Scene<'a>>, SensorError> {
     let tone = condition.tone;
-    let noisy = Some(condition.noise).filter(|noise| *noise != Noise::None);
     let shot = |(seed, noise): (u64, Noise)| {
         let sensor = Sensor { depth: DEPTH, noise, seed, ..Sensor::default() };
         let raw = expose(blurred, &sensor)?;
         Ok(Scene { name: format!("{name}, {tone}, psi {psi}, noise {noise}"), raw, sharp, tone })
     };
-    (1..).zip(std::iter::once(Noise::None).chain(noisy)).map(shot).collect()
+    let shots = (1..).zip(noises(condition)).zip(wanted).filter(|(_, wanted)| **wanted);
+    shots.map(|(of, _)| shot(of)).collect()
 }
 
 /// Values of ψ that scenes are captured at, the ends of the range among them.
@@ -119,8 +163,8 @@ mod tests {
         let conditions =
             conditions.map(|(tone, noise)| Condition { tone, noise, least_noise: Noise::None }).to_vec();
         let origin = Origin { conditions, ..Origin::untrained("n", camera) };
-        let scenes = capture(&pictures, &origin, |_| ()).unwrap();
-        assert_eq!(scenes.len(), 27);
+        let scenes = capture(&pictures, &origin, usize::MAX, |_| ()).unwrap();
+        assert_eq!((scenes.len(), super::scenes(1, &origin)), (27, 27));
         assert_eq!(scenes[17].name, "grey, linear, psi 8, noise 0.01");
         assert_eq!(scenes[26].name, "grey, srgb, psi 8, noise none");
         // Half of the codes is a fifth of the light.
@@ -134,7 +178,8 @@ mod tests {
         let sharp = ColourFrame { planes: ndarray::Array3::from_elem((3, 16, 16), 0.5) };
         let condition =
             Condition { tone: Tone::Linear, noise: Noise::gaussian(0.02), least_noise: Noise::None };
-        let scenes = shots("grey", &sharp, &sharp, 1.5, &condition).unwrap();
+        let shots = |wanted: &[bool]| shots(("grey", &sharp), &sharp, 1.5, &condition, wanted).unwrap();
+        let scenes = shots(&[true, true]);
         let exposed =
             |seed, noise| expose(&sharp, &Sensor { depth: 12, noise, seed, ..Sensor::default() }).unwrap();
         assert_eq!(scenes.len(), 2);
@@ -142,6 +187,50 @@ mod tests {
         assert_eq!(scenes[1].raw.values(), exposed(2, condition.noise).values());
         assert_eq!(scenes[0].name, "grey, linear, psi 1.5, noise none");
         assert!(scenes.iter().all(|scene| scene.sharp == &sharp && scene.tone == Tone::Linear));
+        let noisy = shots(&[false, true]);
+        assert_eq!((noisy.len(), noisy[0].raw.values()), (1, scenes[1].raw.values()));
+    }
+
+    #[test]
+    fn fewer_scenes_are_spread_over_pictures_depths_and_noise() {
+        // As of sixteen photographs at nine depths, without and with noise.
+        let (all, of_picture) = (288, 18);
+        let taken = spread(all, FRAMES);
+        let of =
+            |is_in: &dyn Fn(usize) -> bool| (0..all).filter(|&place| taken[place] && is_in(place)).count();
+        assert_eq!(of(&|_| true), FRAMES);
+        let pictures: Vec<usize> = (0..16).map(|p| of(&|place| place / of_picture == p)).collect();
+        assert!(pictures.iter().all(|count| (2..=5).contains(count)), "{pictures:?}");
+        let depths: Vec<usize> = (0..9).map(|d| of(&|place| place % of_picture / 2 == d)).collect();
+        assert!(depths.iter().all(|count| (3..=8).contains(count)), "{depths:?}");
+        let noisy = of(&|place| place % 2 == 1);
+        assert!((20..=28).contains(&noisy), "{noisy}");
+        for (all, most) in [(3, 48), (48, 48), (54, 48), (1, 1), (1000, 999), (7, 0)] {
+            let taken = spread(all, most).into_iter().filter(|taken| *taken).count();
+            assert_eq!(taken, all.min(most), "{all} {most}");
+        }
+    }
+
+    #[test]
+    fn a_few_scenes_are_those_of_all() {
+        let grey = |level: f32| ColourFrame { planes: ndarray::Array3::from_elem((3, 16, 16), level) };
+        let pictures = [("dark".to_owned(), grey(0.1)), ("light".to_owned(), grey(0.8))];
+        let condition =
+            Condition { tone: Tone::Linear, noise: Noise::gaussian(0.01), least_noise: Noise::None };
+        let camera = Camera { psi_range: [0.0, 1.0], ..Camera::resolve("clear").unwrap() };
+        let origin = Origin { conditions: vec![condition], ..Origin::untrained("n", camera) };
+        let all = capture(&pictures, &origin, usize::MAX, |_| ()).unwrap();
+        let mut told = vec![];
+        let few = capture(&pictures, &origin, 5, |done| told.push(done)).unwrap();
+        assert_eq!((all.len(), few.len(), told), (36, 5, vec![1, 2]));
+        for scene in &few {
+            assert!(
+                all.iter().any(|other| (&other.name, &other.raw) == (&scene.name, &scene.raw)),
+                "{}",
+                scene.name
+            );
+        }
+        assert!(["dark", "light"].iter().all(|name| few.iter().any(|scene| scene.name.starts_with(name))));
     }
 
     #[test]
@@ -169,7 +258,8 @@ mod tests {
         camera.psi_range = [0.0, 0.0];
         let mut told = vec![];
         let pictures = [grey("a"), grey("b")];
-        let scenes = capture(&pictures, &Origin::untrained("n", camera), |done| told.push(done)).unwrap();
+        let scenes =
+            capture(&pictures, &Origin::untrained("n", camera), usize::MAX, |done| told.push(done)).unwrap();
         assert_eq!((told, scenes.len()), (vec![1, 2], 2));
     }
 

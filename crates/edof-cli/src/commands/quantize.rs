@@ -7,7 +7,7 @@ use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::kind::Kind;
 use crate::said;
-use crate::ui::Ui;
+use crate::ui::{Ui, span};
 use crate::weights;
 use edof_core::ColourFrame;
 use edof_core::overlap::Overlap;
@@ -19,6 +19,7 @@ use edof_network::fixed_network::Quantized;
 use edof_network::float::reconstruct::{FloatReconstructor, Output};
 use edof_network::network::Origin;
 use edof_network::{FixedNetwork, Network, weight_file};
+use edof_optics::psf;
 use edof_quantize::bounds::{self, StageError};
 use edof_quantize::capture::{self, depths};
 use edof_quantize::{
@@ -36,8 +37,8 @@ const BORDER: usize = 8;
 /// Turn a float network into the integers that the board computes with
 ///
 /// Ranges of all codes are measured on photographs (or on built-in scenes) with the network's camera, at nine depths of
-/// its range, without noise and with the strongest noise of its training. On the same scenes the loss of the integers is measured, against the
-/// float network in the board's output format (4:2:2, 16-bit luma, 8-bit chroma).
+/// its range, without noise and with the strongest noise of its training; of these frames --frames takes some. On the same frames the loss of
+/// the integers is measured, against the float network in the board's output format (4:2:2, 16-bit luma, 8-bit chroma).
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof quantize weights/edof-t4w12.safetensors --images photos/
@@ -70,6 +71,10 @@ pub struct Args {
     /// Photographs of the folder to use: train, all, or numbers as in 1,2 [default: all except the study's test photographs]
     #[arg(long)]
     photos: Option<Selection>,
+
+    /// Frames to measure on, spread evenly over photographs, depths and noise: a number, or all
+    #[arg(long, default_value_t = capture::FRAMES, value_parser = frames, value_name = "COUNT|all")]
+    frames: usize,
 
     /// Training steps with the rounded words; useful below 12 bits
     #[arg(long, default_value_t = 0, value_name = "STEPS")]
@@ -115,8 +120,12 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     }
     let pictures = pictures(&args, ui)?;
     pictures.iter().for_each(|(name, frame)| ui.used(Input::photograph(name, frame)));
+    let camera = &network.origin.camera;
+    depths(camera.psi_range).into_iter().try_for_each(|psi| psf::check(camera, psi))?;
+    let of = capture::scenes(pictures.len(), &network.origin);
+    announce(&network, args.frames.min(of), of, &pictures, ui)?;
     let progress = ui.progress(pictures.len() as u64, "pictures captured");
-    let scenes = capture::capture(&pictures, &network.origin, |done| progress.set(done as u64))?;
+    let scenes = capture::capture(&pictures, &network.origin, args.frames, |done| progress.set(done as u64))?;
     drop(progress);
     interrupt::check()?;
     let frames = scenes.iter().map(|scene| &scene.raw);
@@ -149,6 +158,33 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     error_bounds::tell(&errors, ui)?;
     ui.say(format!("{}: written", out.display()))?;
     ui.json(&report(&args, &out, &layers, &errors, &evaluation, calibration.windows))
+}
+
+/// A number of frames, or all.
+fn frames(text: &str) -> Result<usize, String> {
+    match text {
+        "all" => Ok(usize::MAX),
+        _ => text
+            .parse()
+            .ok()
+            .filter(|frames| *frames > 0)
+            .ok_or_else(|| "must be 1 or more, or all".to_owned()),
+    }
+}
+
+/// States before the work begins how many frames of all are measured, and how long that takes.
+fn announce(
+    network: &Network,
+    frames: usize,
+    of: usize,
+    pictures: &[(String, ColourFrame)],
+    ui: &Ui,
+) -> Result<(), Error> {
+    let size = pictures.first().map_or((0, 0), |(_, picture)| picture.size());
+    let seconds = Calibration::expected_time(network, frames, size)?.as_secs_f64();
+    let line = format!("ranges are measured on {frames} of {of} frames (--frames): about {}", span(seconds));
+    ui.status(line, &json!({ "frames": frames, "of": of, "seconds": seconds }));
+    Ok(())
 }
 
 /// A failure of the options, by their names.
@@ -311,6 +347,7 @@ fn report(
         "overlap": args.overlap,
         "headroom": args.headroom,
         "finetune_steps": args.finetune,
+        "frames": evaluation.scenes.len(),
         "calibration_windows": windows,
         "layers": layers,
         "error_bounds": errors,

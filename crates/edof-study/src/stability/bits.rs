@@ -94,7 +94,7 @@ pub fn of(network: &str, fixed: &FixedNetwork, allowed_db: f64) -> Result<Bits, 
         })
         .collect::<Result<_, DrawError>>()?;
     let scenes: Vec<Scene<'_>> =
-        capture(&pictures, &fixed.origin, |_| ())?.into_iter().step_by(EVERY).collect();
+        capture(&pictures, &fixed.origin, usize::MAX, |_| ())?.into_iter().step_by(EVERY).collect();
     let judge =
         |sharp: &ColourFrame, picture: &ColourFrame| psnr(sharp, picture, BORDER).map_err(Unjudged::Metric);
     let db = |bits: &[u32]| mean_db(with_stage_bits(fixed, bits)?, &scenes, judge);

@@ -249,7 +249,7 @@ pub fn quantized(
         })
         .collect::<Result<Vec<_>, Error>>()?;
     let progress = ui.progress(SCENES, "scenes captured to quantize with");
-    let scenes = capture(&pictures, &network.origin, |done| progress.set(done as u64))?;
+    let scenes = capture(&pictures, &network.origin, usize::MAX, |done| progress.set(done as u64))?;
     drop(progress);
     let frames = scenes.iter().map(|scene| &scene.raw);
     let calibration = Calibration::measure_while(network, frames, |_| interrupt::flow())?;
