@@ -5,6 +5,7 @@ use crate::common::{committed, moderate};
 use crate::support;
 use edof_board::Board;
 use edof_board::chip_models::{Ov7670, Timing};
+use edof_board::diagnosis::findings;
 use edof_board::link::PATIENCE;
 use edof_board::load::Job;
 use edof_board::self_test::SelfTest;
@@ -154,6 +155,12 @@ fn lit(seed: u64) -> RawFrame {
     RawFrame::from_values(values, 8, CfaPhase::Rggb).unwrap()
 }
 
+/// What a host says of the camera and its frames, and whether it is good.
+fn chips(simulated: &mut FirstLight) -> Vec<(&'static str, bool)> {
+    let look = Board::open(simulated, PATIENCE).unwrap().look(design().stages.len()).unwrap();
+    findings(&ULX3S, &look).into_iter().map(|chip| (chip.about, chip.is_good)).collect()
+}
+
 /// Every boundary has the golden words of the camera's frame.
 fn camera_goes_round(simulated: &mut FirstLight, raw: &RawFrame, golden: &Golden) {
     let mut go_on = |_, _| ControlFlow::Continue(());
@@ -179,6 +186,7 @@ fn a_camera_at_the_pins_makes_golden_pictures_at_the_pins_of_the_screen() {
     chip.borrow_mut().next_scene = Some(Box::new(light(2)));
     camera_goes_round(&mut simulated, &lit(2), &golden);
     assert_eq!(simulated.leds().unwrap(), 0b01_1111);
+    assert_eq!(chips(&mut simulated), [("camera", true), ("input", true)]);
     simulated.connect_screen().unwrap();
     simulated.steps(200_000).unwrap();
     let frames = simulated.cable.take().unwrap().receiver.frames().unwrap();
