@@ -1,6 +1,6 @@
 //! A camera on a board with pins: the OV7670, from light on its pixels to bytes at its pins.
 //!
-//! Sources: data sheet 1.4 (registers and their values after a reset, frames of VGA, 1 ms of settling after a reset, colour filters), Linux `ov7670.c` (bits;
+//! Sources: data sheet 1.4, which was not at hand (registers and their values after a reset, frames of VGA, 1 ms of settling after a reset, colour filters), Linux `ov7670.c` (bits;
 //! the window's counts, of which (158, 10) has a blue pixel; reads with a stop in their middle). Where a source does not say
 //! whether a function of the image processor acts on raw pixels, it does here.
 

@@ -1,7 +1,7 @@
 //! The OV7670, a camera at the pins: raw Bayer, a byte per pixel, nothing automatic.
 //!
-//! Sources: OV7670 data sheet 1.4 (registers and their values after a reset, 1 ms of settling, VGA frame timing), Linux `ov7670.c` (meaning of bits,
-//! window, BGGR at the window's corner). Transfers are writes alone: an SCCB read needs a stop in its middle. Undocumented
+//! Sources: Linux `ov7670.c` (meaning of bits, window, BGGR at the window's corner); OV7670 data sheet 1.4, which was not at hand (values after a reset, 1 ms
+//! of settling, VGA frame timing): `docs/decisions/0059-camera.md`. Transfers are writes alone: an SCCB read needs a stop in its middle. Undocumented
 //! registers, which drivers write by the dozen, keep their values.
 
 use super::program::{Action, Builder, Entry};
