@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The bitstream of the ULX3S by the commands of docs/ulx3s.md: generated, mapped, placed, routed and packed; its report names every clock and passes; reports
-# of clocks that are missed or missing do not. 22 minutes of CPU time. nextpnr comes from PyPI (YoWASP) where none is on the path. The program is built
+# of clocks that are missed or missing do not. 32 minutes of CPU time. nextpnr comes from PyPI (YoWASP) where none is on the path. The program is built
 # if it is not given as EDOF. With a folder it stays there: scripts/test-ulx3s.sh [FOLDER].
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
