@@ -150,11 +150,11 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    threads::with_stack(whole)
+    threads::with_stack(report)
 }
 
-/// The whole run, and the line of its failure.
-fn whole() -> ExitCode {
+/// Runs the command, prints the line of a failure, and returns the exit status.
+fn report() -> ExitCode {
     match run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,

@@ -221,6 +221,13 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn profiles_have_a_date_of_no_run() {
+        for curve in [Statement::Linear, Statement::Bt709] {
+            assert_eq!(curve.profile().unwrap()[24..36], *b"\x07\xd0\0\x01\0\x01\0\0\0\0\0\0");
+        }
+    }
+
+    #[test]
     fn each_chunk_states_its_curve() {
         let gamma = |value: u32| stated(&[(b"gAMA", &value.to_be_bytes())]);
         assert_eq!(gamma(100_000), "linear light (gAMA 1)");

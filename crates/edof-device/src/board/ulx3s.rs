@@ -15,7 +15,7 @@ use crate::video::VideoTiming;
 pub const ULX3S: Board = Board {
     name: "ulx3s",
     part: LFE5U_85F,
-    // Below what a larger design held when it was routed (docs/ulx3s.md).
+    // The whole board held 60 MHz when it was routed (docs/ulx3s.md); the rest is for other designs and seeds.
     core_khz: 50_000,
     clocks: ClockMaker { source_khz: 25_000, pll: EHXPLLL },
     memory: SDRAM,
