@@ -40,7 +40,9 @@ stop() {
 }
 trap stop EXIT
 
-# What only reads the source has a folder of its own, so that nobody waits for a lock.
+# What only reads the source has a folder of its own, so that nobody waits for a lock. The folder above both is there before: of two
+# cargos that make it at once, one may replace it under the other.
+mkdir -p "${CARGO_TARGET_DIR:-target}"
 lint() {
     local -x CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-target}/lints RUSTDOCFLAGS=--deny=warnings
     cargo clippy --workspace --all-targets --locked -- --deny warnings
