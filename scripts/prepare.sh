@@ -97,13 +97,18 @@ need_litex() {
     litex=$environment
 }
 
-# Writes the directory of `tiny`, with a random network whose results mostly fit, to a folder. The program is built if it is not given as EDOF.
-generate_tiny() {
+# Builds the program, if it is not given as EDOF: `$EDOF` runs it, in any folder.
+need_edof() {
     if [ -z "${EDOF:-}" ]; then
         cargo build -q -p edof-cli --locked
         EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
     fi
     EDOF=$(realpath "$EDOF")
+}
+
+# Writes the directory of `tiny`, with a random network whose results mostly fit, to a folder.
+generate_tiny() {
+    need_edof
     "$EDOF" random-network -q --design tiny --out "$1/drawn.fixed.safetensors"
     python3 -B proofs/moderate.py "$1/drawn.fixed.safetensors" "$1/moderate.fixed.safetensors"
     "$EDOF" generate -q --design tiny --weights "$1/moderate.fixed.safetensors" --out "$1/tiny"

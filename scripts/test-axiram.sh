@@ -5,18 +5,9 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 need_simulators
-need_python
 
-if [ -z "${EDOF:-}" ]; then
-    cargo build -q -p edof-cli --locked
-    EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
-fi
-environment=$(realpath -m "${CARGO_TARGET_DIR:-target}/axiram")
-if ! "$environment/bin/python" -c 'import cocotb, cocotbext.axi' 2>/dev/null; then
-    say "installing cocotb under $environment"
-    python3 -m venv --clear "$environment"
-    "$environment/bin/pip" install -q -r tests/axiram/requirements.txt
-fi
+need_edof
+need_environment axiram tests/axiram/requirements.txt
 tests=$(realpath tests/axiram)
 
 work=$(mktemp -d)

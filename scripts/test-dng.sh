@@ -6,9 +6,6 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 
-if [ -z "${EDOF:-}" ]; then
-    cargo build -q -p edof-cli --locked
-    EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
-fi
+need_edof
 need_environment dng tests/dng/requirements.txt
 "$environment/bin/python" -B tests/dng/check.py "$EDOF" "$@"

@@ -6,15 +6,10 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 need_simulators
-need_python
 need_litex
 repository=$PWD
 
-if [ -z "${EDOF:-}" ]; then
-    cargo build -q -p edof-cli --locked
-    EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
-fi
-EDOF=$(realpath "$EDOF")
+need_edof
 work=$(mktemp -d)
 board=
 trap 'kill $board 2>/dev/null || true; rm -rf "$work"' EXIT

@@ -7,11 +7,7 @@ source scripts/prepare.sh
 need_simulators
 need_litex
 
-if [ -z "${EDOF:-}" ]; then
-    cargo build -q -p edof-cli --locked
-    EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
-fi
-EDOF=$(realpath "$EDOF")
+need_edof
 work=$(mktemp -d)
 board=
 trap 'kill $board 2>/dev/null || true; rm -rf "$work"' EXIT

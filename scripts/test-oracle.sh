@@ -5,18 +5,9 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
-need_python
 
-if [ -z "${EDOF:-}" ]; then
-    cargo build -q -p edof-cli --locked
-    EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
-fi
-environment=$(realpath -m "${CARGO_TARGET_DIR:-target}")/oracles
-if ! "$environment/bin/python" -c 'import numpy, PIL' 2>/dev/null; then
-    say "installing NumPy and Pillow under $environment"
-    python3 -m venv --clear "$environment"
-    "$environment/bin/pip" install -q -r tests/oracles/requirements.txt
-fi
+need_edof
+need_environment oracles tests/oracles/requirements.txt
 "$environment/bin/python" -B tests/oracles/optics.py "$EDOF"
 "$environment/bin/python" -B tests/oracles/check.py "$EDOF" "$@"
 "$environment/bin/python" -B tests/oracles/sensor.py "$EDOF"

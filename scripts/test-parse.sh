@@ -8,16 +8,8 @@ source scripts/prepare.sh
 need_simulators
 need_newest_yosys
 
-if [ -z "${EDOF:-}" ]; then
-    cargo build -q -p edof-cli --locked
-    EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
-fi
-environment=$(realpath -m "${CARGO_TARGET_DIR:-target}/parsing")
-if ! "$environment/bin/python" -c 'import pyslang' 2>/dev/null; then
-    say "installing pyslang under $environment"
-    python3 -m venv --clear "$environment"
-    "$environment/bin/pip" install -q -r tests/parsing/requirements.txt
-fi
+need_edof
+need_environment parsing tests/parsing/requirements.txt
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

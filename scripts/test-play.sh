@@ -8,10 +8,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 need_chromium
 
-if [ -z "${EDOF:-}" ]; then
-    cargo build -q -p edof-cli --locked
-    EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
-fi
+need_edof
 need_environment play tests/play/requirements.txt
 [ -z "${1:-}" ] || mkdir -p "$1"
 "$environment/bin/python" -B tests/play/check.py "$(realpath "$EDOF")" ${1:+"$1"}

@@ -11,11 +11,7 @@ need_python
 export CARGO_INCREMENTAL=${CARGO_INCREMENTAL:-0} CARGO_PROFILE_DEV_DEBUG=${CARGO_PROFILE_DEV_DEBUG:-false}
 CARGO_TARGET_DIR=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 export CARGO_TARGET_DIR
-if [ -z "${EDOF:-}" ]; then
-    cargo build -q -p edof-cli --locked
-    EDOF=$CARGO_TARGET_DIR/debug/edof
-fi
-EDOF=$(realpath "$EDOF")
+need_edof
 export EDOF
 
 environment=$CARGO_TARGET_DIR/python

@@ -6,12 +6,8 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 need_simulators
-need_python
 
-if [ -z "${EDOF:-}" ]; then
-    cargo build -q -p edof-cli --locked
-    EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
-fi
+need_edof
 need_router
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -6,11 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 need_ffmpeg
 
-if [ -z "${EDOF:-}" ]; then
-    cargo build -q -p edof-cli --locked
-    EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
-fi
-EDOF=$(realpath "$EDOF")
+need_edof
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"

@@ -9,10 +9,7 @@ source scripts/prepare.sh
 need_simulators
 need_router
 
-if [ -z "${EDOF:-}" ]; then
-    cargo build -q -p edof-cli --locked
-    EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
-fi
+need_edof
 if [ $# -gt 0 ]; then
     mkdir -p "$1"
     work=$(realpath "$1")
