@@ -220,6 +220,12 @@ impl<'a> Directory<'a> {
         self.wholes(tag)?.first().copied()
     }
 
+    /// Returns the directory that begins where a tag says.
+    #[must_use]
+    pub fn below(&self, tag: u16) -> Option<Self> {
+        self.file.directory(self.whole(tag)? as u64).map(|(directory, _)| directory)
+    }
+
     /// Returns two unsigned fractions that begin at a byte of a tag's values.
     #[must_use]
     pub fn fractions(&self, tag: u16, offset: u64) -> Option<[f64; 2]> {
