@@ -110,3 +110,74 @@ module PDPW16KD (
     always @(posedge CLKR) if (!is_modelled) $fatal(1, "%m: no model of this use");
     wire unused = &{1'b0, ADR4, ADR3, ADR2, ADR1, ADR0};
 endmodule
+
+// Port A writes, and port B reads, 1,024 words of 18 bits or 512 of 36: the lower half of these by DIA and DOA, the upper by DIB and DOB. A row that is
+// written in the cycle in which it is read is not to be relied on: every bit of it is wrong.
+module DP16KD (
+    input DIA0, input DIA1, input DIA2, input DIA3, input DIA4, input DIA5, input DIA6, input DIA7, input DIA8, input DIA9, input DIA10, input DIA11,
+    input DIA12, input DIA13, input DIA14, input DIA15, input DIA16, input DIA17, input ADA0, input ADA1, input ADA2, input ADA3, input ADA4, input
+    ADA5, input ADA6, input ADA7, input ADA8, input ADA9, input ADA10, input ADA11, input ADA12, input ADA13, input CEA, input OCEA, input CLKA, input
+    WEA, input RSTA, input CSA0, input CSA1, input CSA2, input DIB0, input DIB1, input DIB2, input DIB3, input DIB4, input DIB5, input DIB6, input
+    DIB7, input DIB8, input DIB9, input DIB10, input DIB11, input DIB12, input DIB13, input DIB14, input DIB15, input DIB16, input DIB17, input ADB0,
+    input ADB1, input ADB2, input ADB3, input ADB4, input ADB5, input ADB6, input ADB7, input ADB8, input ADB9, input ADB10, input ADB11, input ADB12,
+    input ADB13, input CEB, input OCEB, input CLKB, input WEB, input RSTB, input CSB0, input CSB1, input CSB2, output DOA0, output DOA1, output DOA2,
+    output DOA3, output DOA4, output DOA5, output DOA6, output DOA7, output DOA8, output DOA9, output DOA10, output DOA11, output DOA12, output DOA13,
+    output DOA14, output DOA15, output DOA16, output DOA17, output DOB0, output DOB1, output DOB2, output DOB3, output DOB4, output DOB5, output DOB6,
+    output DOB7, output DOB8, output DOB9, output DOB10, output DOB11, output DOB12, output DOB13, output DOB14, output DOB15, output DOB16, output
+    DOB17
+);
+    parameter DATA_WIDTH_A = 18, DATA_WIDTH_B = 18, REGMODE_A = "NOREG", REGMODE_B = "NOREG", RESETMODE = "SYNC", ASYNC_RESET_RELEASE = "SYNC";
+    parameter CSDECODE_A = "0b000", CSDECODE_B = "0b000", WRITEMODE_A = "NORMAL", WRITEMODE_B = "NORMAL", CLKAMUX = "CLKA", CLKBMUX = "CLKB";
+    parameter GSR = "ENABLED";
+    parameter [319:0] INITVAL_00 = 320'd0, INITVAL_01 = 320'd0, INITVAL_02 = 320'd0, INITVAL_03 = 320'd0, INITVAL_04 = 320'd0, INITVAL_05 = 320'd0,
+    INITVAL_06 = 320'd0, INITVAL_07 = 320'd0, INITVAL_08 = 320'd0, INITVAL_09 = 320'd0, INITVAL_0A = 320'd0, INITVAL_0B = 320'd0, INITVAL_0C = 320'd0,
+    INITVAL_0D = 320'd0, INITVAL_0E = 320'd0, INITVAL_0F = 320'd0, INITVAL_10 = 320'd0, INITVAL_11 = 320'd0, INITVAL_12 = 320'd0, INITVAL_13 = 320'd0,
+    INITVAL_14 = 320'd0, INITVAL_15 = 320'd0, INITVAL_16 = 320'd0, INITVAL_17 = 320'd0, INITVAL_18 = 320'd0, INITVAL_19 = 320'd0, INITVAL_1A = 320'd0,
+    INITVAL_1B = 320'd0, INITVAL_1C = 320'd0, INITVAL_1D = 320'd0, INITVAL_1E = 320'd0, INITVAL_1F = 320'd0, INITVAL_20 = 320'd0, INITVAL_21 = 320'd0,
+    INITVAL_22 = 320'd0, INITVAL_23 = 320'd0, INITVAL_24 = 320'd0, INITVAL_25 = 320'd0, INITVAL_26 = 320'd0, INITVAL_27 = 320'd0, INITVAL_28 = 320'd0,
+    INITVAL_29 = 320'd0, INITVAL_2A = 320'd0, INITVAL_2B = 320'd0, INITVAL_2C = 320'd0, INITVAL_2D = 320'd0, INITVAL_2E = 320'd0, INITVAL_2F = 320'd0,
+    INITVAL_30 = 320'd0, INITVAL_31 = 320'd0, INITVAL_32 = 320'd0, INITVAL_33 = 320'd0, INITVAL_34 = 320'd0, INITVAL_35 = 320'd0, INITVAL_36 = 320'd0,
+    INITVAL_37 = 320'd0, INITVAL_38 = 320'd0, INITVAL_39 = 320'd0, INITVAL_3A = 320'd0, INITVAL_3B = 320'd0, INITVAL_3C = 320'd0, INITVAL_3D = 320'd0,
+    INITVAL_3E = 320'd0, INITVAL_3F = 320'd0;
+
+    // Of the bits of each initial value, each 18 have 20.
+    reg [17:0] words [0:1023];
+    localparam [64*320-1:0] CONTENTS = {
+        INITVAL_3F, INITVAL_3E, INITVAL_3D, INITVAL_3C, INITVAL_3B, INITVAL_3A, INITVAL_39, INITVAL_38, INITVAL_37, INITVAL_36, INITVAL_35,
+        INITVAL_34, INITVAL_33, INITVAL_32, INITVAL_31, INITVAL_30, INITVAL_2F, INITVAL_2E, INITVAL_2D, INITVAL_2C, INITVAL_2B, INITVAL_2A,
+        INITVAL_29, INITVAL_28, INITVAL_27, INITVAL_26, INITVAL_25, INITVAL_24, INITVAL_23, INITVAL_22, INITVAL_21, INITVAL_20, INITVAL_1F,
+        INITVAL_1E, INITVAL_1D, INITVAL_1C, INITVAL_1B, INITVAL_1A, INITVAL_19, INITVAL_18, INITVAL_17, INITVAL_16, INITVAL_15, INITVAL_14,
+        INITVAL_13, INITVAL_12, INITVAL_11, INITVAL_10, INITVAL_0F, INITVAL_0E, INITVAL_0D, INITVAL_0C, INITVAL_0B, INITVAL_0A, INITVAL_09,
+        INITVAL_08, INITVAL_07, INITVAL_06, INITVAL_05, INITVAL_04, INITVAL_03, INITVAL_02, INITVAL_01, INITVAL_00
+    };
+    integer row;
+    initial for (row = 0; row < 1024; row = row + 1) words[row] = CONTENTS[20*row +: 18];
+
+    localparam IS_WIDE = DATA_WIDTH_A == 36;
+    wire [9:0] write_row = {ADA13, ADA12, ADA11, ADA10, ADA9, ADA8, ADA7, ADA6, ADA5, ADA4};
+    wire [9:0] read_row = {ADB13, ADB12, ADB11, ADB10, ADB9, ADB8, ADB7, ADB6, ADB5, ADB4};
+    wire [17:0] low = {DIA17, DIA16, DIA15, DIA14, DIA13, DIA12, DIA11, DIA10, DIA9, DIA8, DIA7, DIA6, DIA5, DIA4, DIA3, DIA2, DIA1, DIA0};
+    wire [17:0] high = {DIB17, DIB16, DIB15, DIB14, DIB13, DIB12, DIB11, DIB10, DIB9, DIB8, DIB7, DIB6, DIB5, DIB4, DIB3, DIB2, DIB1, DIB0};
+    wire [3:0] bytes = {ADA3, ADA2, ADA1, ADA0};
+    wire is_written = CEA && WEA && (IS_WIDE ? bytes != 4'd0 : bytes[1:0] != 2'd0);
+    wire is_same = IS_WIDE ? write_row[9:1] == read_row[9:1] : write_row == read_row;
+    wire [17:0] wrong = {18{is_written && is_same}};
+    reg [17:0] low_q, high_q;
+    assign {DOA17, DOA16, DOA15, DOA14, DOA13, DOA12, DOA11, DOA10, DOA9, DOA8, DOA7, DOA6, DOA5, DOA4, DOA3, DOA2, DOA1, DOA0} = IS_WIDE ? low_q : 18'd0;
+    assign {DOB17, DOB16, DOB15, DOB14, DOB13, DOB12, DOB11, DOB10, DOB9, DOB8, DOB7, DOB6, DOB5, DOB4, DOB3, DOB2, DOB1, DOB0} = IS_WIDE ? high_q : low_q;
+    always @(posedge CLKA) if (CEA && WEA) begin
+        if (bytes[0]) words[IS_WIDE ? {write_row[9:1], 1'b0} : write_row][8:0] <= low[8:0];
+        if (bytes[1]) words[IS_WIDE ? {write_row[9:1], 1'b0} : write_row][17:9] <= low[17:9];
+        if (IS_WIDE && bytes[2]) words[{write_row[9:1], 1'b1}][8:0] <= high[8:0];
+        if (IS_WIDE && bytes[3]) words[{write_row[9:1], 1'b1}][17:9] <= high[17:9];
+    end
+    always @(posedge CLKB) if (CEB) begin
+        low_q <= wrong ^ words[IS_WIDE ? {read_row[9:1], 1'b0} : read_row];
+        high_q <= wrong ^ words[{read_row[9:1], 1'b1}];
+    end
+
+    wire is_modelled = DATA_WIDTH_A == DATA_WIDTH_B && (DATA_WIDTH_A == 18 || DATA_WIDTH_A == 36) && REGMODE_B == "NOREG" && CLKAMUX == "CLKA"
+        && CLKBMUX == "CLKB" && {CSA2, CSA1, CSA0, CSB2, CSB1, CSB0, RSTA, RSTB, WEB, ADB3, ADB2, ADB1, ADB0} == 13'd0 && OCEB;
+    always @(posedge CLKA) if (!is_modelled) $fatal(1, "%m: no model of this use");
+    wire unused = &{1'b0, OCEA};
+endmodule

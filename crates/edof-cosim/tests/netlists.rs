@@ -7,7 +7,8 @@ use crate::support;
 use edof_core::draw::Draw;
 use edof_cosim::chain::Drive;
 use edof_cosim::verilator::{Library, Start};
-use edof_cosim::{Port, Source, yosys};
+use edof_cosim::yosys::{self, ecp5};
+use edof_cosim::{Port, Source};
 use edof_golden::cycle::Stalls;
 
 #[test]
@@ -15,7 +16,20 @@ use edof_golden::cycle::Stalls;
 fn the_netlist_of_tinys_chain_gives_the_models_words_in_the_models_cycles() {
     let design = committed("tiny");
     let networks = [5, 6].map(|seed| moderate(&design, seed));
-    let setup = Setup::mapped(design, networks);
+    agrees(&Setup::mapped(design, networks, yosys::mapped));
+}
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn the_netlist_of_the_open_boards_chain_gives_the_models_words_in_the_models_cycles() {
+    let design = committed("ulx3s");
+    let networks = [5, 5].map(|seed| moderate(&design, seed));
+    let map = |source: &Source, options: &yosys::Options| ecp5::mapped(source, options, &ecp5::SYNTHESIS);
+    agrees(&Setup::mapped(design, networks, map));
+}
+
+/// Runs patches through a netlist and its model, with stalls and without.
+fn agrees(setup: &Setup) {
     for (seed, stalled) in [(1, 0), (2, 90)] {
         let drive = Drive { stalls: Some(Stalls::drawn(seed, stalled)), ..Drive::default() };
         let outcome = setup.run(&drive, patches(&setup.design, 12, seed), seed);

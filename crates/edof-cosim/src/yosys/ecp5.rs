@@ -23,8 +23,9 @@ const CELLS: &str = include_str!("../../../../sim/cells/ecp5.v");
 pub fn with_cells(source: Source) -> Result<Source, Error> {
     let path = models("ecp5")?;
     let text = std::fs::read_to_string(&path).map_err(at(&path))?;
+    let text = without(&without(&text, "specify", "endspecify"), "(* blackbox *)", "endmodule");
     // What it includes has names of the vendor's for the same flip-flops.
-    let text = format!("`define NO_INCLUDES\n{}", without(&text, "specify", "endspecify"));
+    let text = format!("`define NO_INCLUDES\n{text}");
     let cells = [("cells.v", text), ("ecp5.v", CELLS.to_owned())];
     let cells = cells.map(|(name, text)| (name.to_owned(), text));
     Ok(Source { files: source.files.into_iter().chain(cells).collect(), ..source })

@@ -155,14 +155,19 @@ impl Setup {
         Self { design, networks, compiled }
     }
 
-    /// The design as Yosys maps it to the cells of an FPGA.
-    pub fn mapped(design: Design, networks: [FixedNetwork; 2]) -> Self {
-        let project = project::calculator(&design, [&networks[0], &networks[1]]).unwrap();
+    /// The design as Yosys maps it to the cells of its board's FPGA.
+    pub fn mapped(
+        design: Design,
+        networks: [FixedNetwork; 2],
+        map: impl FnOnce(&Source, &yosys::Options) -> Result<Source, Error>,
+    ) -> Self {
+        let part = &design.board.part;
+        let project = project::calculator(&design, [&networks[0], &networks[1]]).unwrap().on_part(part);
         let images = tempfile::tempdir().unwrap();
         write_images(&project, images.path()).unwrap();
         let memory_dir = Some(images.path().into());
         let options = yosys::Options { memory_dir, ..yosys::Options::default() };
-        let source = yosys::mapped(&Source::from(&project), &options).unwrap();
+        let source = map(&Source::from(&project), &options).unwrap();
         let stages = design.stages.len();
         // Verilator makes fifty megabytes of C++ of 35,000 cells, and a run is of a few thousand cycles.
         let options = Options { optimize: 0, ..support::options() };
