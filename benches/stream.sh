@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Frames a second of `edof stream` for 1920x1080 frames packed as 12p to y4m, through pipes, beside the same network in ONNX Runtime fed by the same pipe:
-# stream.sh [THREADS] [FRAMES] [ROUNDS]. Each program has as many cores as threads; whoever feeds it has the others. EDOF names a built program,
+# stream.sh [THREADS] [FRAMES] [ROUNDS]. Each program has as many cores as threads; whoever feeds it may use all. EDOF names a built program,
 # EDOF_PEER_ENV keeps the environment of the peer. The results are kept under benches/runs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -46,6 +46,8 @@ import numpy as np, onnxruntime
 work, threads, out = sys.argv[1:]
 luma = [np.frombuffer(open(f"{work}/{name}.y4m", "rb").read().split(b"FRAME\n", 1)[1], np.uint8)[: 1920 * 1080].astype(float) for name in ("ours", "theirs")]
 difference = float(np.sqrt(np.mean((luma[0] - luma[1]) ** 2)))
+if difference > 0.3:
+    sys.exit(f"both make different pictures: luma differs by {difference:.2f} of 219 (rms), expected 0.3 at most")
 rounds = [json.loads(line) for line in open(f"{work}/rounds.jsonl")]
 cpu = next(line.split(":")[1].strip() for line in open("/proc/cpuinfo") if line.startswith("model name"))
 json.dump({"threads": int(threads), "cpu": cpu, "onnxruntime": onnxruntime.__version__, "rms_difference_of_luma": difference, "rounds": rounds}, open(out, "w"), indent=1)

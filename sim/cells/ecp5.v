@@ -1,5 +1,5 @@
 // Functional models of ECP5 cells that Yosys has as empty modules alone: what is instantiated here, and nothing more. A use that they do not model
-// stops the simulation. Sources: FPGA-TN-02205 (multipliers), FPGA-TN-02035 (pads: ODDRX1F sends D0 first; three edges as in the vendor's own model), FPGA-TN-02204 (memories: PDPW16KD); for which half of a word is at which output, Yosys
+// stops the simulation. Sources: FPGA-TN-02205 (multipliers), FPGA-TN-02035 (pads: ODDRX1F sends D0 first; three edges as in the vendor's own model), FPGA-TN-02204 (memories: PDPW16KD, DP16KD); for which half of a word is at which output, Yosys
 // (techlibs/ecp5/brams_connect.py, bram_conn_36; lattice/brams_map_16kd.v) and nextpnr (ecp5/pack.cc).
 // verilator lint_off DECLFILENAME
 // verilator lint_off UNUSEDPARAM
