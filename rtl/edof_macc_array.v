@@ -65,6 +65,7 @@ module edof_macc_array #(
     wire [GROUPS:0] reads;
     wire [18:0] places [0:GROUPS];
     wire [31:0] written [0:GROUPS];
+    wire [18:0] places_read [0:GROUPS-1];
     wire [18:0] places_later [0:GROUPS-1];
 
     // Values come two cycles after their row's address, writes a cycle after they are due.
@@ -105,9 +106,13 @@ module edof_macc_array #(
             edof_delay #(.WIDTH(32), .CYCLES(1)) data (
                 .clock_i(clock_i), .data_i(written[group+1]), .data_o(written[group])
             );
-            // What was read, when the row is there: bit 18 that it was, 17 to 12 bank, 11 to 0 row.
-            edof_delay #(.WIDTH(19), .CYCLES(2)) place_later (
-                .clock_i(clock_i), .data_i({reads[group], places[group][18:13], places[group][11:0]}), .data_o(places_later[group])
+            // What was read, when the row is there: bit 18 that it was, 17 to 12 bank, 11 to 0 row. Both registers are this group's own: tools
+            // would make the first of a delay of two cycles of the one that the group below has for places, which led up again then.
+            edof_delay #(.WIDTH(19), .CYCLES(1)) place_read (
+                .clock_i(clock_i), .data_i({reads[group], places[group][18:13], places[group][11:0]}), .data_o(places_read[group])
+            );
+            edof_delay #(.WIDTH(19), .CYCLES(1)) place_later (
+                .clock_i(clock_i), .data_i(places_read[group]), .data_o(places_later[group])
             );
         end
     endgenerate

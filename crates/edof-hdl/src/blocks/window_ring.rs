@@ -42,6 +42,8 @@ pub struct WindowRing {
     last_window: Constant<Bits<6>>,
     #[is(windows)]
     max_windows: Constant<Bits<7>>,
+    #[is(if windows > 0 { 2 * windows - 1 } else { 0 })]
+    count_bits: Constant<Bits<7>>,
     #[reset(false)]
     write_q: DFF<Bit>,
     pixels_q: DFF<Pair>,
@@ -50,15 +52,20 @@ pub struct WindowRing {
     write_beat: DFF<Bits<7>>,
     #[reset(0)]
     write_window: DFF<Bits<6>>,
+    /// Windows that came, one more, and those that were freed: their difference is never taken, as the way behind it would be too long.
     #[reset(0)]
-    oldest: DFF<Bits<6>>,
+    came: DFF<Bits<7>>,
+    #[reset(1)]
+    with_next: DFF<Bits<7>>,
     #[reset(0)]
-    held: DFF<Bits<7>>,
+    freed: DFF<Bits<7>>,
     #[reset(false)]
     ready_q: DFF<Bit>,
     accept: Signal<Local, Bit>,
     arrived: Signal<Local, Bit>,
-    held_next: Signal<Local, Bits<7>>,
+    oldest: Signal<Local, Bits<6>>,
+    is_full: Signal<Local, Bit>,
+    would_be_full: Signal<Local, Bit>,
 }
 
 impl WindowRing {
@@ -83,29 +90,40 @@ impl Logic for WindowRing {
         self.ready.next = self.ready_q.q.val();
         self.accept.next = self.valid.val() && self.ready_q.q.val();
         self.arrived.next = self.accept.val() && self.last.val();
-        self.held_next.next = self.held.q.val();
+        self.is_full.next =
+            ((self.came.q.val() ^ self.freed.q.val()) & self.count_bits.val()) == self.max_windows.val();
+        self.would_be_full.next =
+            ((self.with_next.q.val() ^ self.freed.q.val()) & self.count_bits.val()) == self.max_windows.val();
+        self.ready_q.d.next = !self.is_full.val();
         if self.arrived.val() && !self.finished.val() {
-            self.held_next.next = self.held.q.val() + 1;
-        } else if self.finished.val() && !self.arrived.val() {
-            self.held_next.next = self.held.q.val() - 1;
+            self.ready_q.d.next = !self.would_be_full.val();
         }
-        self.held.d.next = self.held_next.val();
-        self.ready_q.d.next = self.held_next.val() != self.max_windows.val();
+        if self.finished.val() && !self.arrived.val() {
+            self.ready_q.d.next = true;
+        }
+        if self.arrived.val() {
+            self.came.d.next = self.with_next.q.val();
+            self.with_next.d.next = self.with_next.q.val() + 1;
+        }
+        if self.finished.val() {
+            self.freed.d.next = self.freed.q.val() + 1;
+        }
 
         self.write_q.d.next = self.accept.val();
         self.pixels_q.d.next = self.pixels.val();
         self.last_q.d.next = self.last.val();
         self.ram.write_enable.next = self.write_q.q.val();
         self.ram.write_data.next = self.pixels_q.q.val();
+        self.oldest.next = bit_cast::<6, 7>(self.freed.q.val()) & self.last_window.val();
         self.ram.write_address.next =
             (bit_cast::<12, 6>(self.write_window.q.val()) << 5) | bit_cast::<12, 7>(self.write_beat.q.val());
         self.ram.read_address.next =
-            (bit_cast::<12, 6>(self.oldest.q.val()) << 5) | bit_cast::<12, 7>(self.read_pair.val());
+            (bit_cast::<12, 6>(self.oldest.val()) << 5) | bit_cast::<12, 7>(self.read_pair.val());
         if self.large.val() {
             self.ram.write_address.next = (bit_cast::<12, 6>(self.write_window.q.val()) << 7)
                 | bit_cast::<12, 7>(self.write_beat.q.val());
             self.ram.read_address.next =
-                (bit_cast::<12, 6>(self.oldest.q.val()) << 7) | bit_cast::<12, 7>(self.read_pair.val());
+                (bit_cast::<12, 6>(self.oldest.val()) << 7) | bit_cast::<12, 7>(self.read_pair.val());
         }
         self.read_pixels.next = self.ram.read_data.val();
 
@@ -115,9 +133,6 @@ impl Logic for WindowRing {
                 self.write_beat.d.next = 0.into();
                 self.write_window.d.next = (self.write_window.q.val() + 1) & self.last_window.val();
             }
-        }
-        if self.finished.val() {
-            self.oldest.d.next = (self.oldest.q.val() + 1) & self.last_window.val();
         }
     }
 }

@@ -461,6 +461,10 @@ impl Logic for BoardRegisters {
                 self.phase.d.next = Phase::Write;
             }
             Phase::Write => {
+                // Of all addresses this one alone is neither locked nor checked: what decides about others is too long a way.
+                if self.at[0].q.val() && !self.is_bad.q.val() {
+                    self.unchecked.d.next = false;
+                }
                 if self.is_bad.q.val() {
                     self.phase.d.next = Phase::WriteAnswer;
                 } else if self.is_locked.val() {
@@ -488,9 +492,6 @@ impl Logic for BoardRegisters {
                     self.phase.d.next = Phase::WriteAnswer;
                     self.is_protected.next = self.is_unchecked.val();
                     if !self.is_unchecked.val() {
-                        if self.at[0].q.val() {
-                            self.unchecked.d.next = false;
-                        }
                         for i in 4..8 {
                             if self.at[i - 4].q.val() {
                                 self.host[i - 4].d.next = self.word.q.val() & self.bits[i].val();
