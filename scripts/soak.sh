@@ -46,7 +46,6 @@ package         scripts/test-package.sh
 axiram          scripts/test-axiram.sh
 fusesoc         scripts/test-fusesoc.sh
 parse           scripts/test-parse.sh
-route           scripts/test-route.sh
 ulx3s           scripts/test-ulx3s.sh
 first-light     tests circuits first_light::
 litex           scripts/test-litex.sh

