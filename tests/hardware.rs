@@ -148,6 +148,17 @@ fn a_generated_design_is_whole_and_the_same_every_time() {
 }
 
 #[test]
+fn without_weights_a_design_is_generated_with_a_random_network() {
+    let place = Place::new();
+    place.edof("random-network --design tiny --out random.fixed.safetensors").done();
+    place.edof("generate --design tiny --weights random.fixed.safetensors --out one").done();
+    let said = place.edof("generate --design tiny --out two").done();
+    assert!(said.err.contains("makes no pictures"), "{}", said.err);
+    let same = Command::new("diff").args(["-r", "one", "two"]).current_dir(place.path("")).status().unwrap();
+    assert!(same.success());
+}
+
+#[test]
 fn memory_images_are_found_from_any_directory() {
     let place = Place::new();
     place.edof("generate --design paper --weights paper-t4 --out here").done();

@@ -28,9 +28,9 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE")]
     design: String,
 
-    /// Quantized network, by name or file; both sets of weights start with it
+    /// Quantized network, by name or file; all sets of weights start with it [default: the one of edof random-network, which tests a board and makes no pictures]
     #[arg(long, value_name = "NAME|FILE")]
-    weights: String,
+    weights: Option<String>,
 
     /// Surroundings of the core: memory controller and connection to the host [default: the board's first, on the KC705 mig]
     #[arg(long, value_name = "SHELL", value_parser = shells())]
@@ -58,9 +58,20 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     folder::check(&args.out, args.force, Sources::may_have).map_err(Error::of_folder)?;
     let design = designs::load(&args.design)?;
     ui.used(designs::input(&design));
-    let network = weights::fixed(&args.weights)?;
-    ui.used(weights::fixed_input(&args.weights)?);
-    designs::fits_given(&design, &args.design, &network)?;
+    let network = match &args.weights {
+        Some(name) => {
+            ui.used(weights::fixed_input(name)?);
+            let network = weights::fixed(name)?;
+            designs::fits_given(&design, &args.design, &network)?;
+            network
+        }
+        None => {
+            ui.note(
+                "without --weights the network is a random one, which tests the board and makes no pictures",
+            );
+            edof_device::random::for_design(&design, 1)
+        }
+    };
     design.check_board().map_err(|e| said::of_file(&args.design, e))?;
     let shell =
         bitstream::shell(&design, args.shell.as_deref()).map_err(|e| said::of_file(&args.design, e))?;
@@ -70,7 +81,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         progress.of(done as u64, of as u64);
     })?;
     progress.finish();
-    let files = Files::new(ui).reads(&args.design).reads_all(weights::fixed_file(&args.weights));
+    let files =
+        Files::new(ui).reads(&args.design).reads_all(args.weights.as_deref().and_then(weights::fixed_file));
     files.writes_into("--out", &args.out, sources.names()).check()?;
     let manifest = sources.write(&args.out, args.force).map_err(Error::of_folder)?;
     ui.say(sources.summary(&args.out))?;
