@@ -1,5 +1,6 @@
-//! `edof cosim --system`: the whole core, from the receiver's pins to the transmitter's.
+//! `edof cosim --system`: the whole core, from the receiver's pins to the transmitter's; on a board with a camera all of it, from pin to pin.
 
+use crate::cosim_camera;
 use crate::error::Error;
 use crate::interrupt;
 use crate::said;
@@ -125,8 +126,12 @@ pub fn run(
         return Err(Error::message("--frames 0: must be 1 or more, or nothing is compared"));
     }
     let network = FixedNetwork { stride: design.frame.stride, ..network };
-    let frames = crops(raw, design.frame, args.frames + BESIDES)?;
     let display = Display::of_values(network.origin.values, args.display, Curve::default());
+    if design.camera_chip().is_ok() {
+        let frames = crops(raw, design.frame, args.frames)?;
+        return cosim_camera::run(design, network, &display, &frames, how, ui);
+    }
+    let frames = crops(raw, design.frame, args.frames + BESIDES)?;
     let project = system::project(design, [&network; 2], &display)?;
     let project = match rtl {
         Some(folder) => with_verilog_of(project, folder).map_err(|e| Error::message(format!("--rtl {e}")))?,

@@ -27,6 +27,7 @@ use once_cell as _;
 
 mod advice;
 mod commands;
+mod cosim_camera;
 mod cosim_system;
 mod demo_board;
 mod effects;

@@ -4,23 +4,25 @@
 use crate::common::{committed, moderate};
 use crate::support;
 use edof_board::Board;
-use edof_board::chip_models::{Ov7670, Timing};
+use edof_board::chip_models::Timing;
 use edof_board::diagnosis::findings;
 use edof_board::link::PATIENCE;
 use edof_board::load::Job;
 use edof_board::self_test::SelfTest;
 use edof_core::draw::Draw;
 use edof_core::{CfaPhase, DisplayMode, RawFrame};
+use edof_cosim::system::camera_to_screen::{Failure, Shown, Trip};
 use edof_cosim::system::{self, FirstLight, Speed, first_light};
 use edof_device::Design;
 use edof_device::board::ULX3S;
 use edof_device::design::FrameSize;
+use edof_device::video::VideoTiming;
 use edof_golden::{Curve, Display, Golden};
+use edof_hdl::board::Pace;
 use edof_hdl::project::Project;
 use edof_network::FixedNetwork;
 use ndarray::Array2;
 use std::ops::ControlFlow;
-use std::rc::Rc;
 
 /// Fewer cycles per bit than on the board; all else is the same.
 const FAST: u32 = 6_250_000;
@@ -36,18 +38,18 @@ fn display() -> Display {
     Display::new(DisplayMode::Colour, Curve::Srgb)
 }
 
-fn speed() -> Speed {
-    Speed::of(&ULX3S, FAST).unwrap()
+fn pace(screen: VideoTiming) -> Pace {
+    first_light::short_pace(Speed::of(&ULX3S, FAST).unwrap(), screen)
 }
 
 fn project(network: &FixedNetwork) -> Project {
-    let design = design();
-    let screen = first_light::small_screen(&design);
-    first_light::project(&design, [network; 2], &display(), speed(), screen).unwrap()
+    let pace = pace(first_light::small_screen(&design()));
+    first_light::project(&design(), [network; 2], &display(), &pace).unwrap()
 }
 
 fn start(project: &Project, seed: u64) -> FirstLight {
-    FirstLight::start(project, &design(), (speed(), seed), &support::options()).unwrap()
+    let pace = pace(first_light::small_screen(&design()));
+    FirstLight::start(project, &design(), (pace, seed), &support::options()).unwrap()
 }
 
 /// The screen's own timing, as another source has it.
@@ -57,7 +59,7 @@ fn a_screen_at_the_pins_shows_every_pixel_of_the_golden_picture_and_black_around
     let design = design();
     let network = moderate(&design, 5);
     let screen = design.screen();
-    let project = first_light::project(&design, [&network; 2], &display(), speed(), screen).unwrap();
+    let project = first_light::project(&design, [&network; 2], &display(), &pace(screen)).unwrap();
     let raw = &system::drawn(design.frame, 1, 5).unwrap()[0];
     let mut simulated = start(&project, 1);
     let mut board = Board::open(&mut simulated, PATIENCE).unwrap();
@@ -137,68 +139,73 @@ fn a_memory_that_loses_a_word_is_found() {
     assert_eq!(failed, ["raw memory"], "{items:?}");
 }
 
-/// Light on a camera's pixels.
-fn light(seed: u64) -> impl Fn(usize, usize) -> [u8; 3] {
-    move |column, row| {
-        let draw = &mut Draw::new(seed << 32 | (row * 656 + column) as u64);
-        [0, 1, 2].map(|_| draw.whole(0, 255) as u8)
-    }
+/// Frames of a camera.
+fn frames(count: usize) -> Vec<RawFrame> {
+    let size = design().frame;
+    let draw = &mut Draw::new(7);
+    let frame = |_| {
+        let values = Array2::from_shape_fn((size.height, size.width), |_| draw.whole(0, 255) as u16);
+        RawFrame::from_values(values, 8, CfaPhase::Rggb).unwrap()
+    };
+    (0..count).map(frame).collect()
 }
 
-/// The raw frame of it: the middle of the usual picture, which is eight columns and four rows inside of the pixels, from its first red one on.
-fn lit(seed: u64) -> RawFrame {
-    let (size, light) = (design().frame, light(seed));
-    let (left, top) = (8 + (640 - size.width) / 2 + 1, 4 + (480 - size.height) / 2 + 1);
-    let values = Array2::from_shape_fn((size.height, size.width), |(row, column)| {
-        u16::from(light(left + column, top + row)[row % 2 + column % 2])
-    });
-    RawFrame::from_values(values, 8, CfaPhase::Rggb).unwrap()
-}
-
-/// What a host says of the camera and its frames, and whether it is good.
-fn chips(simulated: &mut FirstLight) -> Vec<(&'static str, bool)> {
-    let look = Board::open(simulated, PATIENCE).unwrap().look(design().stages.len()).unwrap();
-    findings(&ULX3S, &look).into_iter().map(|chip| (chip.about, chip.is_good)).collect()
-}
-
-/// Every boundary has the golden words of the camera's frame.
-fn camera_goes_round(simulated: &mut FirstLight, raw: &RawFrame, golden: &Golden) {
-    let mut go_on = |_, _| ControlFlow::Continue(());
-    let mut board = Board::open(simulated, PATIENCE).unwrap();
-    let expected = golden.checks(&display(), raw).unwrap();
-    assert_eq!(board.check_frames(&expected, 1, &mut go_on).unwrap().difference, None);
-    for register in ["input_wrong", "input_overruns", "input_range"] {
-        assert_eq!(board.get(register.parse().unwrap()).unwrap(), 0, "{register}");
-    }
+/// A camera's frames through a board to its screen.
+fn shown(board: &mut FirstLight, golden: &Golden, frames: &[RawFrame], seed: u64) -> Result<Shown, Failure> {
+    let screen = first_light::small_screen(&design());
+    Trip { screen, golden, display: &display(), frames, seed }.run(board, &mut |_| ControlFlow::Continue(()))
 }
 
 #[test]
 #[ignore = "minutes: scripts/soak.sh"]
 fn a_camera_at_the_pins_makes_golden_pictures_at_the_pins_of_the_screen() {
-    let design = design();
-    let network = moderate(&design, 5);
-    let golden = Golden::new(network.clone()).unwrap();
+    let network = moderate(&design(), 5);
     let mut simulated = start(&project(&network), 1);
-    simulated.connect_camera(|millisecond| Ov7670::new(Box::new(light(1)), millisecond)).unwrap();
-    camera_goes_round(&mut simulated, &lit(1), &golden);
-
-    let chip = Rc::clone(&simulated.camera.as_ref().unwrap().chip);
-    chip.borrow_mut().next_scene = Some(Box::new(light(2)));
-    camera_goes_round(&mut simulated, &lit(2), &golden);
+    let found = shown(&mut simulated, &Golden::new(network).unwrap(), &frames(4), 1).unwrap();
+    assert!(found.stops > 0 && found.screen_frames > 4, "{found:?}");
     assert_eq!(simulated.leds().unwrap(), 0b01_1111);
-    assert_eq!(chips(&mut simulated), [("camera", true), ("input", true)]);
-    simulated.connect_screen().unwrap();
-    simulated.steps(200_000).unwrap();
-    let frames = simulated.cable.take().unwrap().receiver.frames().unwrap();
-    let picture = golden.frame(&lit(2)).unwrap().picture(&display()).0;
-    assert!(frames.len() > 3);
-    assert!(frames[2].pixels == first_light::on_screen(&picture, first_light::small_screen(&design)));
+    // What a host says of the camera and its frames, and whether it is good.
+    let look = Board::open(&mut simulated, PATIENCE).unwrap().look(design().stages.len()).unwrap();
+    let chips = findings(&ULX3S, &look).into_iter().map(|chip| (chip.about, chip.is_good));
+    assert_eq!(chips.collect::<Vec<_>>(), [("camera", true), ("input", true)]);
+}
 
-    // Its clock stands still in the midst of a frame, which then goes on.
-    simulated.camera.as_mut().unwrap().is_stopped = true;
-    simulated.steps(100_000).unwrap();
-    chip.borrow_mut().next_scene = Some(Box::new(light(3)));
-    simulated.camera.as_mut().unwrap().is_stopped = false;
-    camera_goes_round(&mut simulated, &lit(3), &golden);
-    assert_eq!(chip.borrow().complaints(), &[] as &[String]);
+/// A file, its text, a mistake in its place, and what is said of it.
+const MISTAKES: [(&str, &str, &str, &str); 6] = [
+    (
+        "camera_in.v",
+        "if (light_q[0]) data_o",
+        "if (light_q[1]) data_o",
+        "raw frames that come out of the memory",
+    ),
+    (
+        "axi_sdram.v",
+        "write_place_q + 21'd1",
+        "write_place_q + 21'd2",
+        "raw frames that come out of the memory",
+    ),
+    ("axi_sdram.v", "if (until_refresh_q == 12'd0) due_q <= 1'b1;", "", "refreshes in"),
+    ("requantize.v", "half_1_q <= (ONE << result_shift_i) >> 1;", "half_1_q <= 48'd0;", "what stage 0"),
+    ("dvi.v", ".byte_i(colours[23:16])", ".byte_i(colours[15:8])", "golden up to the codes that come out"),
+    (
+        "border.v",
+        "if (row_q == END_ROW) in_rows_q",
+        "if (row_q == END_ROW - 13'd1) in_rows_q",
+        "the screen's cable",
+    ),
+];
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn mistakes_anywhere_between_camera_and_screen_are_found_and_placed() {
+    let network = moderate(&design(), 5);
+    let golden = Golden::new(network.clone()).unwrap();
+    for (file, right, wrong, place) in MISTAKES {
+        let mut project = project(&network);
+        let (_, text) = project.verilog.iter_mut().find(|(name, _)| name == file).unwrap();
+        assert_eq!(text.matches(right).count(), 1, "{file}: {right}");
+        *text = text.replace(right, wrong);
+        let said = shown(&mut start(&project, 1), &golden, &frames(2), 1).unwrap_err().to_string();
+        assert!(said.contains(place), "{file}: {wrong}: {said}");
+    }
 }

@@ -115,6 +115,24 @@ impl Receiver {
     /// # Errors
     /// Lines or syncs that are not all alike, or faults of the channels.
     pub fn frames(&self) -> Result<Vec<Frame>, String> {
+        Ok(self.whole()?.0)
+    }
+
+    /// Returns them as [`Receiver::frames`] does, and forgets all before the last begin of a frame.
+    ///
+    /// # Errors
+    /// As [`Receiver::frames`].
+    pub fn take_frames(&mut self) -> Result<Vec<Frame>, String> {
+        let (frames, last) = self.whole()?;
+        // The cycle before a sync shows that it begins.
+        if !frames.is_empty() {
+            self.cycles.drain(..last - 1);
+        }
+        Ok(frames)
+    }
+
+    /// Whole frames, and the cycle at which the last vertical sync begins.
+    fn whole(&self) -> Result<(Vec<Frame>, usize), String> {
         if let Some(fault) = self.faults.first() {
             return Err(fault.clone());
         }
@@ -141,7 +159,8 @@ impl Receiver {
             let lines: Vec<usize> = lines.iter().copied().filter(|at| (top..=next).contains(at)).collect();
             self.frame(&lines, &hs, &vs, [top, next], [hs_negative, vs_negative])
         };
-        tops.windows(2).map(|pair| frame([pair[0], pair[1]])).collect()
+        let frames = tops.windows(2).map(|pair| frame([pair[0], pair[1]])).collect::<Result<_, _>>()?;
+        Ok((frames, tops.last().copied().unwrap_or(0)))
     }
 
     fn frame(

@@ -10,13 +10,17 @@ use crate::chip_models::wire::{Lines, Pulls, Tap, Target, Wires};
 
 /// Columns and rows of pixels that have light.
 pub const ARRAY: [usize; 2] = [656, 488];
-/// Cycles of a line, lines of a frame, lines of the vertical sync and from its begin to line count 10.
-const LINE: usize = 784;
-const FRAME: usize = 510;
+/// Cycles of a line.
+pub const LINE: usize = 784;
+/// Lines of a frame.
+pub const FRAME: usize = 510;
+/// Lines of the vertical sync, and from its begin to line count 10.
 const SYNC: usize = 3;
 const LINES_BEFORE: usize = 20 - 10;
-/// Counts of pixel and line of the first pixel with light: eight and four before those of the usual picture.
-const FIRST: [usize; 2] = [158 - 8, 10 - 4];
+/// Column and row of the array at which the usual picture begins.
+pub const USUAL: [usize; 2] = [8, 4];
+/// Counts of pixel and line of the first pixel with light.
+const FIRST: [usize; 2] = [158 - USUAL[0], 10 - USUAL[1]];
 /// What the offset of black is while nothing calibrates it.
 const DRIFT: u8 = 9;
 
@@ -178,6 +182,12 @@ impl Ov7670 {
             complaints: vec![],
         };
         Self { tap: Tap::new(chip), scene, next_scene: None, place: [200, 300], frames: 0 }
+    }
+
+    /// The same, but running from this line since the vertical sync and this cycle of it on.
+    #[must_use]
+    pub fn starting_at(self, [line, cycle]: [usize; 2]) -> Self {
+        Self { place: [line % FRAME, cycle % LINE], ..self }
     }
 
     /// The levels of PWDN and RESET# at a moment in picoseconds.

@@ -47,7 +47,8 @@ const WAVEFORM_CYCLES: u64 = 300;
 /// exit status 1; a waveform shows it.
 ///
 /// With --system the whole core runs, from the receiver's pins to the transmitter's, with four drifting clocks and a late
-/// memory. Every picture on the screen must equal that of edof reconstruct --board, bit for bit.
+/// memory. Every picture on the screen must equal that of edof reconstruct --board, bit for bit. On a board with a camera (ulx3s) everything between
+/// its pins runs, from the camera's to the screen's, with a model of its memory; the camera starts amid a frame, and its clock stands still now and then.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof cosim --design tiny --random 2000 --stalls 0.3
@@ -59,7 +60,8 @@ const WAVEFORM_CYCLES: u64 = 300;
   edof cosim --system --design tiny --window 12 --stride 4 --size 32x16 --display luma
   edof cosim --system --design tiny --size 32x16 --icarus
   edof cosim --system --design tiny --weights tiny.fixed.safetensors --rtl build/tiny/rtl
-  edof cosim --system --design kc705 --weights edof-t4w12-outer --photo a.png --size 256x256")]
+  edof cosim --system --design kc705 --weights edof-t4w12-outer --photo a.png --size 256x256
+  edof cosim --system --design ulx3s --size 32x24 --frames 2")]
 pub struct Args {
     /// Design, by name or file
     #[arg(long, value_name = "NAME|FILE")]

@@ -19,9 +19,11 @@ struct Clock {
     /// Femtoseconds.
     period: i64,
     drift_ppm: i64,
-    /// The period now; or the clock that it is a fraction of, and which.
+    /// The period now.
     now: i64,
+    /// The clock that it is a fraction of, which fraction, and what division has left over so far: without that the phase would run away.
     of: Option<(usize, i64)>,
+    rest: i64,
     /// Where the next edge belongs, and where it is.
     place: i64,
     next: i64,
@@ -51,8 +53,8 @@ impl Bench {
         let port = self.model.library().source().port(port)?;
         let period = 1000 * period_ps as i64;
         let place = self.now + self.draw.whole(1, period);
-        let (now, of) = (period, None);
-        self.clocks.push(Clock { port, period, drift_ppm: 0, now, of, place, next: place, runs: true });
+        let (now, of, rest) = (period, None, 0);
+        self.clocks.push(Clock { port, period, drift_ppm: 0, now, of, rest, place, next: place, runs: true });
         Ok(ClockId(self.clocks.len() - 1))
     }
 
@@ -147,10 +149,14 @@ impl Bench {
 
     /// The edge after the one that was.
     fn plan(&mut self, clock: usize) {
-        let source = self.clocks[clock].of.map(|(of, times)| self.clocks[of].now / times);
+        let source = self.clocks[clock].of.map(|(of, times)| (self.clocks[of].now, times));
         let clock = &mut self.clocks[clock];
         clock.drift_ppm = (clock.drift_ppm + self.draw.whole(-2, 2)).clamp(-DRIFT_PPM, DRIFT_PPM);
-        clock.now = source.unwrap_or(clock.period + clock.period * clock.drift_ppm / 1_000_000);
+        clock.now = clock.period + clock.period * clock.drift_ppm / 1_000_000;
+        if let Some((period, times)) = source {
+            clock.now = (period + clock.rest) / times;
+            clock.rest = (period + clock.rest) % times;
+        }
         clock.place += clock.now;
         let jitter = clock.period / JITTER;
         clock.next = clock.place + self.draw.whole(-jitter, jitter);

@@ -33,9 +33,6 @@ const AT_ONCE: usize = 64;
 const BETWEEN: usize = 2_000;
 /// Edges between two looks at the camera's clock.
 const BETWEEN_CLOCKS: usize = 500;
-/// Cycles of a millisecond of the camera's set-up, and a quarter of a bit on its bus.
-const MILLISECOND: u32 = 500;
-const QUARTER: u32 = 4;
 /// Picoseconds of the board's clock to the camera.
 const BOARD_CLOCK: u64 = 40_000;
 
@@ -98,7 +95,19 @@ pub fn small_screen(design: &Design) -> VideoTiming {
     VideoTiming::of_frame(FrameSize { width: frame.width + 4, height: frame.height + 2, ..frame })
 }
 
-/// `ulx3s_core` of a design with a line of this speed and a screen of this timing; its sets of weights start with these networks.
+/// A pace at which hosts wait for less: a line of this speed, a fast camera's bus with short milliseconds, a screen of this timing.
+#[must_use]
+pub const fn short_pace(speed: Speed, screen: VideoTiming) -> Pace {
+    Pace {
+        cycles_per_bit: speed.cycles_per_bit,
+        uart_time_out: speed.time_out,
+        i2c_quarter: 4,
+        millisecond: 500,
+        screen: Some(screen),
+    }
+}
+
+/// `ulx3s_core` of a design at this pace; its sets of weights start with these networks.
 ///
 /// # Errors
 /// [`ProjectError`]: what does not fit what.
@@ -106,21 +115,13 @@ pub fn project(
     design: &Design,
     sets: [&FixedNetwork; 2],
     display: &Display,
-    speed: Speed,
-    screen: VideoTiming,
+    pace: &Pace,
 ) -> Result<Project, ProjectError> {
     let words = TableWords::of(display);
     let tables = words.tables();
     let identity = Identity::of(design, sets[0]);
-    let pace = Pace {
-        cycles_per_bit: speed.cycles_per_bit,
-        uart_time_out: speed.time_out,
-        i2c_quarter: QUARTER,
-        millisecond: MILLISECOND,
-        screen: Some(screen),
-    };
     spacious(|| {
-        let mut core = Ulx3sCore::new(design, sets, &identity, &tables, &pace)?;
+        let mut core = Ulx3sCore::new(design, sets, &identity, &tables, pace)?;
         let files = images(design, sets).into_iter().chain(tables.images(design)).collect();
         Ok(of_circuit(&mut core, files)?)
     })
@@ -138,7 +139,7 @@ pub struct FirstLight {
     pub camera: Option<CameraModule>,
     /// The screen, once there is one.
     pub cable: Option<DviCable>,
-    speed: Speed,
+    pace: Pace,
     /// Bytes from the host, and to it.
     pub bytes: [u64; 2],
     /// Seconds that a host waited where nothing could come any more: they count, but are not simulated.
@@ -161,18 +162,19 @@ impl FirstLight {
         (speed, seed): (Speed, u64),
         options: &Options,
     ) -> Result<Self, Error> {
-        let project = project(design, sets, display, speed, small_screen(design)).map_err(stopped)?;
-        Self::start(&project, design, (speed, seed), options)
+        let pace = short_pace(speed, small_screen(design));
+        let project = project(design, sets, display, &pace).map_err(stopped)?;
+        Self::start(&project, design, (pace, seed), options)
     }
 
-    /// Compiles the files of [`project`], its synchronisers one edge late at random, and starts them.
+    /// Compiles the files of [`project`] at this pace, its synchronisers one edge late at random, and starts them.
     ///
     /// # Errors
     /// A tool is missing or rejects the text, or a file cannot be written.
     pub fn start(
         project: &Project,
         design: &Design,
-        (speed, seed): (Speed, u64),
+        (pace, seed): (Pace, u64),
         options: &Options,
     ) -> Result<Self, Error> {
         let library = Library::build(&Source::from(project).metastable(), options).map_err(stopped)?;
@@ -187,7 +189,7 @@ impl FirstLight {
         let core = clock("clock_i", periods.core)?;
         clock("calculator_clock_i", periods.calculator)?;
         let screen_clock = clock("screen_clock_i", screen)?;
-        let terminal = Terminal::new(library.source(), core, speed.cycles_per_bit).map_err(stopped)?;
+        let terminal = Terminal::new(library.source(), core, pace.cycles_per_bit).map_err(stopped)?;
         let sdram = SdramChip::new(library.source(), "sdram_", core, periods.core).map_err(stopped)?;
         // Lines that nobody drives.
         for port in ["uart_receive_i", "camera_scl_i", "camera_sda_i"] {
@@ -201,7 +203,7 @@ impl FirstLight {
             screen_clock,
             camera: None,
             cable: None,
-            speed,
+            pace,
             bytes: [0; 2],
             waited: 0.0,
         };
@@ -216,12 +218,12 @@ impl FirstLight {
     pub fn steps(&mut self, edges: usize) -> Result<(), Error> {
         let Self { bench, terminal, sdram, camera, cable, .. } = self;
         for begin in (0..edges).step_by(BETWEEN_CLOCKS) {
-            let mut actors: Vec<&mut dyn Actor> = vec![&mut *terminal, &mut *sdram];
+            // The cable is the first to look: where clocks rise together, the others let them fall again.
+            let mut actors: Vec<&mut dyn Actor> =
+                cable.iter_mut().map(|cable| cable as &mut dyn Actor).collect();
+            actors.extend([&mut *terminal as &mut dyn Actor, &mut *sdram]);
             if let Some(CameraModule { control, pixels, .. }) = camera {
                 actors.extend([control as &mut dyn Actor, pixels]);
-            }
-            if let Some(cable) = cable {
-                actors.push(cable);
             }
             bench.steps(BETWEEN_CLOCKS.min(edges - begin), &mut actors).map_err(stopped)?;
             if let Some(camera) = camera {
@@ -236,7 +238,7 @@ impl FirstLight {
     /// # Errors
     /// The circuit has no such pins.
     pub fn connect_camera(&mut self, chip: impl FnOnce(u64) -> Ov7670) -> Result<(), Error> {
-        let chip = chip(u64::from(MILLISECOND) * self.core.1);
+        let chip = chip(u64::from(self.pace.millisecond) * self.core.1);
         let camera = CameraModule::new(&mut self.bench, self.core, chip, BOARD_CLOCK).map_err(stopped)?;
         self.camera = Some(camera);
         Ok(())
@@ -274,7 +276,15 @@ impl FirstLight {
         self.bench.get("leds_o").map_err(stopped)
     }
 
-    fn seconds(&self) -> f64 {
+    /// Refreshes of the memory so far.
+    #[must_use]
+    pub fn refreshes(&self) -> usize {
+        self.sdram.refreshes()
+    }
+
+    /// Simulated seconds so far.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
         self.bench.time_ps() as f64 * 1e-12 + self.waited
     }
 
@@ -292,8 +302,8 @@ impl FirstLight {
 
     /// Whether nothing comes any more, however long one waits.
     fn rests(&self) -> bool {
-        let byte = u64::from(self.speed.cycles_per_bit) * u64::from(BITS_PER_BYTE);
-        self.terminal.serial.quiet > u64::from(self.speed.time_out) + 2 * byte
+        let byte = u64::from(self.pace.cycles_per_bit) * u64::from(BITS_PER_BYTE);
+        self.terminal.serial.quiet > u64::from(self.pace.uart_time_out) + 2 * byte
     }
 }
 
@@ -304,7 +314,7 @@ impl Line for FirstLight {
     }
 
     fn baud(&self) -> u32 {
-        self.speed.baud()
+        (1_000_000_000_000 / (self.core.1 * u64::from(self.pace.cycles_per_bit))) as u32
     }
 
     fn time(&self) -> Duration {
@@ -354,7 +364,7 @@ impl Device for FirstLight {
 
     fn carried(&self) -> ([u64; 2], f64) {
         let bytes = self.bytes;
-        (bytes, line_time((bytes[0] + bytes[1]) as usize, self.speed.baud()).as_secs_f64())
+        (bytes, line_time((bytes[0] + bytes[1]) as usize, self.baud()).as_secs_f64())
     }
 
     fn is_busy(&self) -> bool {

@@ -10,12 +10,14 @@
 //! | talk to it | [`uart`], [`board`] | a serial line at its pins, and all of it as a board that any host of `edof-board` knows |
 //! | between cables | [`mod@cables`] | the KC705's core with models of the chips around it, from a source's cable to a screen |
 //! | first light | [`first_light`], [`sdram`], [`camera`] | the ULX3S from pin to pin, as a board behind a serial line; its memory, its camera |
+//! | from pin to pin | [`camera_to_screen`] | frames of its camera as pictures on its screen, while the camera's clock stands still now and then |
 //! | measure | [`measured`], [`fifos`] | frames per second, memory traffic, latency; largest fill of each FIFO |
 //! | run again | [`mod@recorded`], [`second`] | the same in a bench of Verilog alone, for Icarus and for who has no Rust |
 
 pub mod board;
 pub mod cables;
 pub mod camera;
+pub mod camera_to_screen;
 pub mod chips;
 pub mod fifos;
 pub mod first_light;
