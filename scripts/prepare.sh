@@ -97,8 +97,16 @@ need_litex() {
     litex=$environment
 }
 
+# Whatever cargo builds from here on is built as scripts/test.sh builds it, so that what one script has compiled is there for the next. What would make the next
+# build faster costs this one a third, unless somebody builds here again and again (CARGO_INCREMENTAL=1); what would help a debugger, a tenth
+# (CARGO_PROFILE_DEV_DEBUG=line-tables-only).
+build_as_tests() {
+    export CARGO_INCREMENTAL=${CARGO_INCREMENTAL:-0} CARGO_PROFILE_DEV_DEBUG=${CARGO_PROFILE_DEV_DEBUG:-false}
+}
+
 # Builds the program, if it is not given as EDOF: `$EDOF` runs it, in any folder.
 need_edof() {
+    build_as_tests
     if [ -z "${EDOF:-}" ]; then
         cargo build -q -p edof-cli --locked
         EDOF=${CARGO_TARGET_DIR:-target}/debug/edof

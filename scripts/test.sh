@@ -12,9 +12,7 @@ for component in fmt clippy; do
     fi
 done
 
-# What would make the next build faster costs this one a third, unless somebody builds here again and again (CARGO_INCREMENTAL=1); what would
-# help a debugger, a tenth (CARGO_PROFILE_DEV_DEBUG=line-tables-only).
-export CARGO_INCREMENTAL=${CARGO_INCREMENTAL:-0} CARGO_PROFILE_DEV_DEBUG=${CARGO_PROFILE_DEV_DEBUG:-false}
+build_as_tests
 say "format"
 cargo fmt --all --check
 
