@@ -122,6 +122,30 @@ generate_tiny() {
     "$EDOF" generate -q --design tiny --weights "$1/moderate.fixed.safetensors" --out "$1/tiny"
 }
 
+# Runs a job beside others: beside NAME COMMAND... What it says is kept until it is waited for, so that no two mix.
+beside() {
+    local name=$1
+    shift
+    [ -n "${logs:-}" ] || logs=$(mktemp -d)
+    "$@" >"$logs/$name" 2>&1 &
+    jobs[$name]=$!
+}
+declare -A jobs=()
+
+# Waits for a job and prints what it said; the name of one that failed goes to the list `failed`.
+wait_for() {
+    wait "${jobs[$1]}" || failed+=("$1")
+    unset "jobs[$1]"
+    say "$1"
+    cat "$logs/$1"
+}
+
+# Ends the jobs that still run.
+stop_jobs() {
+    [ "${#jobs[@]}" = 0 ] || kill "${jobs[@]}" 2>/dev/null || true
+    rm -rf "${logs:-}"
+}
+
 # Installs Rust by the system's rustup, where it has one; else says how.
 need_rust() {
     if ! { command -v apt-cache && apt-cache show rustup; } >/dev/null 2>&1; then
