@@ -11,7 +11,7 @@ if [ ! -x "$environment/bin/python" ]; then
     python3 -m venv "$environment"
 fi
 "$environment/bin/python" -m pip install -q --disable-pip-version-check ./python
-(cd python && cargo build -q --release --locked --example frame)
+cargo build -q --release --locked -p edof-python --example frame
 frames=${1:-10}
 for round in 1 2 3 4; do
     printf 'round %s, program: ' "$round"

@@ -97,8 +97,16 @@ need_litex() {
     litex=$environment
 }
 
+# Whatever cargo builds from here on is built as scripts/test.sh builds it, so that what one script has compiled is there for the next. What would make the next
+# build faster costs this one a third, unless somebody builds here again and again (CARGO_INCREMENTAL=1); what would help a debugger, a tenth
+# (CARGO_PROFILE_DEV_DEBUG=line-tables-only).
+build_as_tests() {
+    export CARGO_INCREMENTAL=${CARGO_INCREMENTAL:-0} CARGO_PROFILE_DEV_DEBUG=${CARGO_PROFILE_DEV_DEBUG:-false}
+}
+
 # Builds the program, if it is not given as EDOF: `$EDOF` runs it, in any folder.
 need_edof() {
+    build_as_tests
     if [ -z "${EDOF:-}" ]; then
         cargo build -q -p edof-cli --locked
         EDOF=${CARGO_TARGET_DIR:-target}/debug/edof
@@ -112,6 +120,30 @@ generate_tiny() {
     "$EDOF" random-network -q --design tiny --out "$1/drawn.fixed.safetensors"
     python3 -B proofs/moderate.py "$1/drawn.fixed.safetensors" "$1/moderate.fixed.safetensors"
     "$EDOF" generate -q --design tiny --weights "$1/moderate.fixed.safetensors" --out "$1/tiny"
+}
+
+# Runs a job beside others: beside NAME COMMAND... What it says is kept until it is waited for, so that no two mix.
+beside() {
+    local name=$1
+    shift
+    [ -n "${logs:-}" ] || logs=$(mktemp -d)
+    "$@" >"$logs/$name" 2>&1 &
+    jobs[$name]=$!
+}
+declare -A jobs=()
+
+# Waits for a job and prints what it said; the name of one that failed goes to the list `failed`.
+wait_for() {
+    wait "${jobs[$1]}" || failed+=("$1")
+    unset "jobs[$1]"
+    say "$1"
+    cat "$logs/$1"
+}
+
+# Ends the jobs that still run.
+stop_jobs() {
+    [ "${#jobs[@]}" = 0 ] || kill "${jobs[@]}" 2>/dev/null || true
+    rm -rf "${logs:-}"
 }
 
 # Installs Rust by the system's rustup, where it has one; else says how.

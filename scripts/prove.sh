@@ -4,8 +4,6 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
-# As the tests are built: what they have compiled is there.
-export CARGO_INCREMENTAL=${CARGO_INCREMENTAL:-0} CARGO_PROFILE_DEV_DEBUG=${CARGO_PROFILE_DEV_DEBUG:-false}
 need_provers
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -14,5 +12,7 @@ generate_tiny "$work"
 "$EDOF" random-network -q --design ulx3s --out "$work/ulx3s.fixed.safetensors"
 "$EDOF" generate -q --design ulx3s --weights "$work/ulx3s.fixed.safetensors" --out "$work/ulx3s"
 cp "$work"/ulx3s/rtl/{axi_sdram,bit_count,tmds_encoder}.v "$work/tiny/rtl"
-cargo run -q --locked -p edof-hdl --example stream_cut >"$work/tiny/rtl/stream_cut_w2.v"
+# Of the whole workspace: for a package alone cargo would choose other features and build 69 crates again.
+cargo build -q --locked --workspace --example stream_cut
+"${CARGO_TARGET_DIR:-target}/debug/examples/stream_cut" >"$work/tiny/rtl/stream_cut_w2.v"
 python3 -B proofs/prove.py --sources "$work/tiny/rtl" --out "$(realpath -m "${CARGO_TARGET_DIR:-target}")/proofs" "$@"

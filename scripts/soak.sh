@@ -53,6 +53,7 @@ litex-target    scripts/test-litex-target.sh
 peers           scripts/test-peers.sh
 stream          scripts/test-stream.sh
 play            scripts/test-play.sh
+python          env EDOF_PYTHON_PROFILE=release scripts/test-python.sh
 dng             scripts/test-dng.sh --random 5000 --seed 1000
 gpu             scripts/test-gpu.sh
 proofs          scripts/prove.sh --all

@@ -12,33 +12,12 @@ for component in fmt clippy; do
     fi
 done
 
-# What would make the next build faster costs this one a third, unless somebody builds here again and again (CARGO_INCREMENTAL=1); what would
-# help a debugger, a tenth (CARGO_PROFILE_DEV_DEBUG=line-tables-only).
-export CARGO_INCREMENTAL=${CARGO_INCREMENTAL:-0} CARGO_PROFILE_DEV_DEBUG=${CARGO_PROFILE_DEV_DEBUG:-false}
+build_as_tests
 say "format"
 cargo fmt --all --check
 
-# Runs a job beside others. What it says is kept until it is waited for, so that no two mix.
-logs=$(mktemp -d)
-declare -A jobs=()
-beside() {
-    local name=$1
-    shift
-    "$@" >"$logs/$name" 2>&1 &
-    jobs[$name]=$!
-}
+trap stop_jobs EXIT
 failed=()
-wait_for() {
-    wait "${jobs[$1]}" || failed+=("$1")
-    unset "jobs[$1]"
-    say "$1"
-    cat "$logs/$1"
-}
-stop() {
-    [ "${#jobs[@]}" = 0 ] || kill "${jobs[@]}" 2>/dev/null || true
-    rm -rf "$logs"
-}
-trap stop EXIT
 
 # What only reads the source has a folder of its own, so that nobody waits for a lock. The folder above both is there before: of two
 # cargos that make it at once, one may replace it under the other.
@@ -77,7 +56,7 @@ tests "${others[@]}" || failed+=("tests of all else")
 [ "$(id -u)" != 0 ] || tests --test modes -- --ignored owner_and_group || failed+=("tests of root")
 ./scripts/test-photographs.sh || failed+=("tests on photographs")
 say "examples in the documentation"
-cargo test --workspace --doc --locked || failed+=("examples in the documentation")
+cargo test --workspace --exclude edof-python --doc --locked || failed+=("examples in the documentation")
 wait_for "the contract on paper"
 wait_for "tests of circuits"
 [ "${#failed[@]}" = 0 ] || fail "failed: $(printf '%s; ' "${failed[@]}")"

@@ -71,7 +71,7 @@ fn violations(packages: &[Package]) -> Vec<String> {
             .dependencies
             .iter()
             .any(|one| !one.is_for_tests && one.features.iter().any(|f| f == "random"));
-        if draws && !["edof-cli", "edof-cosim", "edof-study"].contains(&name) {
+        if draws && !["edof-cli", "edof-cosim", "edof-python", "edof-study"].contains(&name) {
             found.push(format!("{name} depends on random networks"));
         }
     }

@@ -1,4 +1,4 @@
-//! Workspaces beside this one (fuzzing, Python, a benchmark) have lock files of their own. With `--locked` they build only if these follow the manifests of our crates.
+//! Workspaces beside this one (fuzzing, a benchmark) have lock files of their own. With `--locked` they build only if these follow the manifests of our crates.
 
 use crate::workspace::{Package, packages, root};
 use std::collections::{BTreeMap, BTreeSet};
@@ -28,11 +28,11 @@ fn stale(text: &str, packages: &[Package]) -> Vec<String> {
 #[test]
 fn lock_files_of_other_workspaces_follow_our_manifests() {
     let packages = packages();
-    for folder in ["fuzz", "python", "benches/gemm"] {
+    for folder in ["fuzz", "benches/gemm"] {
         let text = std::fs::read_to_string(root().join(folder).join("Cargo.lock")).unwrap();
         assert_eq!(stale(&text, &packages), [""; 0], "{folder}: run cargo metadata there");
     }
-    let text = std::fs::read_to_string(root().join("python/Cargo.lock")).unwrap();
+    let text = std::fs::read_to_string(root().join("fuzz/Cargo.lock")).unwrap();
     let older = text.replacen(" \"edof-core\",\n", "", 1);
     assert_eq!(stale(&older, &packages).len(), 1, "a lock file that lacks one is found");
 }

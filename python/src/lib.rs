@@ -20,7 +20,9 @@
 //! | the cycle model | [`cycles`] |
 //! | boards, real and simulated | [`board`] |
 //!
-//! What a function takes and gives is stated in `edof/_edof.pyi`. No algorithm lives here.
+//! What a function takes and gives is stated in `edof/_edof.pyi`. No algorithm lives here. Without the feature there is nothing here.
+
+#![cfg(feature = "extension")]
 
 mod arguments;
 mod board;

@@ -22,9 +22,6 @@
 
 #![cfg_attr(not(test), warn(unused_crate_dependencies))]
 
-// With the features that the Python package needs (docs/decisions/0044-python.md).
-use once_cell as _;
-
 mod advice;
 mod commands;
 mod cosim_camera;
