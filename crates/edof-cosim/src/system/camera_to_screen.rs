@@ -116,12 +116,15 @@ impl Trip<'_> {
         each: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> Result<Shown, Failure> {
         let draw = &mut Draw::new(self.seed);
-        let colour = if self.display.mode == DisplayMode::Colour { map::COLOUR } else { 0 };
-        Board::open(&mut *board, PATIENCE)?.change_control(map::COLOUR, colour)?;
+        // At once: a set-up without a camera fails, and is tried again a second later.
         let Some(first) = self.frames.first() else { return Ok(Shown::default()) };
         let starts_at = [ov7670::FRAME, ov7670::LINE].map(|most| draw.whole(0, most as i64 - 1) as usize);
         board.connect_camera(|millisecond| Ov7670::new(light(first), millisecond).starting_at(starts_at))?;
         board.connect_screen()?;
+        // The board starts with colour.
+        if self.display.mode != DisplayMode::Colour {
+            Board::open(&mut *board, PATIENCE)?.change_control(map::COLOUR, 0)?;
+        }
 
         let mut shown = Shown { camera_starts_at: starts_at, ..Shown::default() };
         let screen = self.screen;

@@ -71,6 +71,9 @@ pub struct RasterReorder {
     // The pair is its line's last: known a pair before, as all that ends with a line follows from it.
     #[reset(false)]
     pair_is_last: DFF<Bit>,
+    // And its frame's first.
+    #[reset(true)]
+    is_first: DFF<Bit>,
     #[reset(0)]
     row: DFF<Coordinate>,
     #[reset(0)]
@@ -179,6 +182,7 @@ impl Logic for RasterReorder {
         if self.steps.val() {
             self.pair.d.next = self.pair.q.val() + 1;
             self.pair_is_last.d.next = self.pair.q.val() == self.pair_before_last.val();
+            self.is_first.d.next = self.frame_ends.val();
         }
         if self.line_ends.val() {
             self.pair.d.next = 0.into();
@@ -206,7 +210,7 @@ impl Logic for RasterReorder {
             if self.line_ends.val() {
                 self.marks.next = 5.into();
             }
-            if !self.pair.q.val().any() && !self.row.q.val().any() {
+            if self.is_first.q.val() {
                 self.marks.next = 3.into();
             }
         }
