@@ -20,26 +20,28 @@ module window_ring #(
   // Its pixels are more than those of a window of side 8: one of side 12 has 144, and takes four times as many
   // rows.
   localparam LARGE = WINDOW_PIXELS > 64;
-  localparam [31:0] LAST_WINDOW = WINDOWS > 0 ? WINDOWS - 1 : 0, MAX_WINDOWS = WINDOWS;
+  localparam [31:0] LAST_WINDOW = WINDOWS > 0 ? WINDOWS - 1 : 0, MAX_WINDOWS = WINDOWS, COUNT_BITS = WINDOWS > 0
+      ? 2 * WINDOWS - 1 : 0;
 
   reg write_q, last_q, ready_q;
   reg [31:0] pixels_q;
-  reg [6:0] write_beat_q, held_q;
-  reg [5:0] write_window_q, oldest_q;
+  reg [6:0] write_beat_q, came_q, with_next_q, freed_q;
+  reg [5:0] write_window_q;
 
   assign ready_o = ready_q;
   wire accept = valid_i && ready_q;
   wire arrived = accept && last_i;
-  wire [6:0] held_next = (arrived && !finished_i) ? (held_q + 7'd1)
-      : ((finished_i && !arrived) ? (held_q - 7'd1) : held_q);
+  wire is_full = ((came_q ^ freed_q) & COUNT_BITS[6:0]) == MAX_WINDOWS[6:0];
+  wire would_be_full = ((with_next_q ^ freed_q) & COUNT_BITS[6:0]) == MAX_WINDOWS[6:0];
+  wire [5:0] oldest = freed_q[5:0] & LAST_WINDOW[5:0];
 
   reg [11:0] ram_read_address, ram_write_address;
   always @* begin
     ram_write_address = {1'b0, write_window_q, 5'd0} | {5'd0, write_beat_q};
-    ram_read_address = {1'b0, oldest_q, 5'd0} | {5'd0, read_pair_i};
+    ram_read_address = {1'b0, oldest, 5'd0} | {5'd0, read_pair_i};
     if (LARGE) begin
       ram_write_address = ({6'd0, write_window_q} << 7) | {5'd0, write_beat_q};
-      ram_read_address = ({6'd0, oldest_q} << 7) | {5'd0, read_pair_i};
+      ram_read_address = ({6'd0, oldest} << 7) | {5'd0, read_pair_i};
     end
   end
 
@@ -49,8 +51,12 @@ module window_ring #(
   );
 
   always @(posedge clock_i) begin
-    held_q <= held_next;
-    ready_q <= held_next != MAX_WINDOWS[6:0];
+    ready_q <= (finished_i && !arrived) || ((arrived && !finished_i) ? !would_be_full : !is_full);
+    if (arrived) begin
+      came_q <= with_next_q;
+      with_next_q <= with_next_q + 7'd1;
+    end
+    if (finished_i) freed_q <= freed_q + 7'd1;
     write_q <= accept;
     pixels_q <= pixels_i;
     last_q <= last_i;
@@ -61,8 +67,10 @@ module window_ring #(
         write_window_q <= (write_window_q + 6'd1) & LAST_WINDOW[5:0];
       end
     end
-    if (finished_i) oldest_q <= (oldest_q + 6'd1) & LAST_WINDOW[5:0];
-    if (reset_i) {write_q, write_beat_q, write_window_q, oldest_q, held_q, ready_q} <= 0;
+    if (reset_i) begin
+      {write_q, write_beat_q, write_window_q, came_q, freed_q, ready_q} <= 0;
+      with_next_q <= 7'd1;
+    end
   end
 endmodule
 `default_nettype wire
