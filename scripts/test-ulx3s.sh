@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The bitstream of the ULX3S by the commands of docs/ulx3s.md: generated, mapped, placed, routed and packed, with each of three seeds; its report names every
-# clock and passes; reports of clocks that are missed or missing do not. 32 minutes of CPU time for the first seed, and about 26 for each other. nextpnr comes
+# clock and passes; reports of clocks that are missed or missing do not. 25 minutes of CPU time for the first seed, and about 22 for each other. nextpnr comes
 # from PyPI (YoWASP) where none is on the path. The program is built if it is not given as EDOF. With a folder all stays there, and the reports as
 # seed-N.txt: scripts/test-ulx3s.sh [FOLDER [SEED…]].
 set -euo pipefail
