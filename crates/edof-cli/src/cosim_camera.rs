@@ -1,11 +1,10 @@
 //! `edof cosim --system` of a board with a camera: everything between its pins.
 
-use crate::cosim_system::Run;
+use crate::cosim_system::{Run, with_rtl};
 use crate::error::Error;
 use crate::interrupt;
 use crate::ui::Ui;
 use edof_core::{CfaPhase, RawFrame};
-use edof_cosim::chain::folder::with_verilog_of;
 use edof_cosim::system::camera_to_screen::Trip;
 use edof_cosim::system::{FirstLight, first_light};
 use edof_cosim::verilator::Options;
@@ -43,10 +42,7 @@ pub fn run(
     let frames = frames.iter().map(|raw| bytes(design, raw)).collect::<Result<Vec<_>, _>>()?;
     let pace = Pace::of(design.board);
     let project = first_light::project(design, [&network; 2], display, &pace)?;
-    let project = match how.rtl {
-        Some(folder) => with_verilog_of(project, folder).map_err(|e| Error::message(format!("--rtl {e}")))?,
-        None => project,
-    };
+    let project = with_rtl(project, how.rtl)?;
     ui.note(format!("compiling {} modules with Verilator", project.verilog.len()));
     let options = Options { cache: Options::user_cache(), ..Options::default() };
     let mut board = FirstLight::start(&project, design, (pace, how.seed), &options)?;

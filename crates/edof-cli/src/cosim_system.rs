@@ -78,7 +78,13 @@ impl Args {
     /// # Errors
     /// A picture that is too small.
     pub fn has_room(&self, design: &Design, raw: &RawFrame) -> Result<(), Error> {
-        check_room(raw, design.frame, self.frames.max(1) + BESIDES)
+        check_room(raw, design.frame, self.sent(design).max(1))
+    }
+
+    /// How many frames are sent.
+    fn sent(&self, design: &Design) -> usize {
+        // A camera stays on a frame until it is shown.
+        self.frames + if design.camera_chip().is_ok() { 0 } else { BESIDES }
     }
 
     /// The design with what was asked for in place of its own.
@@ -127,16 +133,12 @@ pub fn run(
     }
     let network = FixedNetwork { stride: design.frame.stride, ..network };
     let display = Display::of_values(network.origin.values, args.display, Curve::default());
+    let frames = crops(raw, design.frame, args.sent(design))?;
     if design.camera_chip().is_ok() {
-        let frames = crops(raw, design.frame, args.frames)?;
         return cosim_camera::run(design, network, &display, &frames, how, ui);
     }
-    let frames = crops(raw, design.frame, args.frames + BESIDES)?;
     let project = system::project(design, [&network; 2], &display)?;
-    let project = match rtl {
-        Some(folder) => with_verilog_of(project, folder).map_err(|e| Error::message(format!("--rtl {e}")))?,
-        None => project,
-    };
+    let project = with_rtl(project, rtl)?;
     let golden = Golden::new(network)?;
     let passed = through_core(project, (design, &golden, &display), &frames, seed, ui)?;
     let (run, shown) = (passed.in_a_row(), &passed.shown);
@@ -177,6 +179,15 @@ pub fn run(
         "seed": seed,
         "seconds": start.elapsed().as_secs_f64(),
     }))
+}
+
+/// Returns a project with the Verilog of a folder of `--rtl`, if there is one.
+///
+/// # Errors
+/// A folder without the circuit.
+pub fn with_rtl(project: Project, rtl: Option<&Path>) -> Result<Project, Error> {
+    let Some(folder) = rtl else { return Ok(project) };
+    with_verilog_of(project, folder).map_err(|e| Error::message(format!("--rtl {e}")))
 }
 
 /// Frames by their numbers; those that were black have none.

@@ -35,6 +35,7 @@ mod help;
 mod interrupt;
 mod kind;
 mod limits;
+mod network;
 #[cfg(test)]
 mod pages;
 mod pictures;

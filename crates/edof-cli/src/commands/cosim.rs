@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::files::{Files, Force};
 use crate::interrupt;
 use crate::lens::Depth;
+use crate::network;
 use crate::said;
 use crate::ui::Ui;
 use crate::weights;
@@ -15,7 +16,6 @@ use edof_core::draw::Draw;
 use edof_core::words::number;
 use edof_cosim::chain::check::Difference;
 use edof_cosim::chain::device::{Device, Inputs};
-use edof_cosim::chain::folder::with_verilog_of;
 use edof_cosim::chain::second::{Recorded, icarus};
 use edof_cosim::chain::verilated::Compiled;
 use edof_cosim::chain::{Drive, Outcome};
@@ -148,15 +148,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let start = Instant::now();
     let design = args.system.design(designs::load(&args.design)?)?;
     ui.used(designs::input(&design));
-    let network = match &args.weights {
-        Some(name) => {
-            ui.used(weights::fixed_input(name)?);
-            let network = weights::fixed(name)?;
-            designs::fits_given(&design, &args.design, &network)?;
-            network
-        }
-        None => edof_device::random::for_design(&design, args.seed),
-    };
+    let network = network::of_design(&design, &args.design, args.weights.as_deref(), args.seed, ui)?;
     if args.system.system {
         let shot = args.shot();
         let raw = shot.frame(&network, ui)?;
@@ -172,10 +164,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let project = project::calculator(&design, [&network, &network])?;
     let generated = Run { networks: [network.clone(), network], patches, drive: drive(&args)? };
     let trial = Trial { runs: [generated, Run::loaded(&design, args.seed)], design };
-    let project = match &args.rtl {
-        Some(folder) => with_verilog_of(project, folder).map_err(|e| Error::message(format!("--rtl {e}")))?,
-        None => project,
-    };
+    let project = cosim_system::with_rtl(project, args.rtl.as_deref())?;
     let outcomes = trial.run(&project, &args, ui)?;
     let seconds = start.elapsed().as_secs_f64();
     tell(&args, &trial, &outcomes, seconds, ui)?;

@@ -3,6 +3,7 @@
 use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
+use crate::network;
 use crate::said;
 use crate::ui::Ui;
 use crate::weights;
@@ -58,20 +59,10 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     folder::check(&args.out, args.force, Sources::may_have).map_err(Error::of_folder)?;
     let design = designs::load(&args.design)?;
     ui.used(designs::input(&design));
-    let network = match &args.weights {
-        Some(name) => {
-            ui.used(weights::fixed_input(name)?);
-            let network = weights::fixed(name)?;
-            designs::fits_given(&design, &args.design, &network)?;
-            network
-        }
-        None => {
-            ui.note(
-                "without --weights the network is a random one, which tests the board and makes no pictures",
-            );
-            edof_device::random::for_design(&design, 1)
-        }
-    };
+    if args.weights.is_none() {
+        ui.note("without --weights the network is a random one, which tests the board and makes no pictures");
+    }
+    let network = network::of_design(&design, &args.design, args.weights.as_deref(), 1, ui)?;
     design.check_board().map_err(|e| said::of_file(&args.design, e))?;
     let shell =
         bitstream::shell(&design, args.shell.as_deref()).map_err(|e| said::of_file(&args.design, e))?;

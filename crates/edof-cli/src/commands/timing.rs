@@ -3,6 +3,7 @@
 use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
+use crate::network;
 use crate::ui::Ui;
 use crate::weights;
 use edof_cosim::chain::check::stage_names;
@@ -81,15 +82,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let design = designs::load(&args.design)?;
     let router = args.route.map(Router::find).transpose()?;
     ui.used(designs::input(&design));
-    let network = match &args.weights {
-        Some(name) => {
-            ui.used(weights::fixed_input(name)?);
-            let network = weights::fixed(name)?;
-            designs::fits_given(&design, &args.design, &network)?;
-            network
-        }
-        None => edof_device::random::for_design(&design, 1),
-    };
+    let network = network::of_design(&design, &args.design, args.weights.as_deref(), 1, ui)?;
     let project = system::project(&design, [&network, &network], &Display::default())?;
     let Selection { names, stages, others } = selected(&design, &args.wanted)?;
     let paths: Vec<String> = stages.iter().chain(&others).map(|block| block.path.clone()).collect();

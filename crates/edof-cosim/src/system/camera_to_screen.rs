@@ -106,7 +106,8 @@ fn light(raw: &RawFrame) -> Scene {
 }
 
 impl Trip<'_> {
-    /// Sends every frame until the screen shows its picture, and compares every pixel of all that it shows meanwhile; of the last one every word by its CRCs.
+    /// Sends every frame until the screen shows its picture, and compares every pixel of all that it shows meanwhile; of the last one every word by its CRCs. Before each look
+    /// at the screen `each` gets the number of the frame, and may stop it.
     ///
     /// # Errors
     /// [`Failure`].
@@ -130,14 +131,11 @@ impl Trip<'_> {
         let screen = self.screen;
         let mut before = vec![[0; 3]; screen.line.active * screen.frame.active];
         for (number, raw) in self.frames.iter().enumerate() {
-            if each(number).is_break() {
-                return Err(Error::Interrupted.into());
-            }
             if let Some(camera) = &board.camera {
                 camera.chip.borrow_mut().next_scene = Some(light(raw));
             }
             let picture = on_screen(&self.golden.frame(raw)?.picture(self.display).0, screen);
-            self.until_shown(board, (number, &picture), &before, draw, &mut shown)?;
+            self.until_shown(board, (number, &picture, &before), draw, &mut shown, each)?;
             before = picture;
         }
         self.check_words(board)?;
@@ -148,14 +146,17 @@ impl Trip<'_> {
     fn until_shown(
         &self,
         board: &mut FirstLight,
-        (number, picture): (usize, &[[u8; 3]]),
-        before: &[[u8; 3]],
+        (number, picture, before): (usize, &[[u8; 3]], &[[u8; 3]]),
         draw: &mut Draw,
         shown: &mut Shown,
+        each: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> Result<(), Failure> {
         let begin = shown.screen_frames;
         let stop = draw.whole(0, UNTIL_STOP - 1);
         for look in 0..LOOKS {
+            if each(number).is_break() {
+                return Err(Error::Interrupted.into());
+            }
             shown.stops += usize::from(look == stop);
             if let Some(camera) = &mut board.camera {
                 camera.is_stopped = look == stop;
