@@ -1,5 +1,6 @@
 // axi_pair, two writers and two readers on one memory: addresses, words and requests stand until they are taken; a burst's words are its
-// writer's, in the order of the addresses; an answer reaches only its master; nobody waits for ever while the memory and the other writer continue.
+// writer's, in the order of the addresses; an answer reaches only its master; no writer waits for ever
+// while the memory and the other writer continue. Reader 1 is overtaken at most once; reader 0 waits for nobody but reader 1.
 //
 // Bursts have two words here (axi_guard.sv has other lengths). Words of writer 0 have bit 0 clear, those of writer 1 have it set; what
 // fills up a burst after a reset has no byte enabled. Each side obeys the rules itself, resets come at any moment.
@@ -68,7 +69,9 @@ module prove (
     wire finished = w_passes && w_last;
     // After a reset the guard lets nobody in before all that was in flight has come.
     (* hierconn *) wire \dut.guard.closed_q ;
-    reg [3:0] waits = 0;
+    reg [3:0] waits = 0, reads_wait = 0;
+    // Bursts of reader 0 that were accepted while reader 1 asked.
+    reg [1:0] overtaken = 0;
     always @(posedge clock_i) begin
         started <= 1;
         was_reset <= reset_i || memory_reset_i;
@@ -94,8 +97,10 @@ module prove (
 
         // Fairness.
         if (goes_on) begin
-            assume (dram_aw_ready_i && dram_w_ready_i && (&w_valid_i) && (memory_reset_i || started));
+            assume (dram_aw_ready_i && dram_w_ready_i && (&w_valid_i) && dram_ar_ready_i && (memory_reset_i || started));
         end
+        reads_wait <= (reset_i || \dut.guard.closed_q || !ar_valid_i[0] || ar_ready[0] || ar_valid_i[1]) ? 0 : reads_wait + (reads_wait != 15);
+        overtaken <= (reset_i || !ar_valid_i[1] || ar_ready[1]) ? 0 : overtaken + (ar_valid_i[0] && ar_ready[0] && !overtaken[1]);
         waits <= (reset_i || \dut.guard.closed_q || !aw_valid_i[side] || aw_ready[side]) ? 0 : waits + (waits != 15);
 
         if (started && !memory_reset_i) begin
@@ -110,7 +115,8 @@ module prove (
                 word_stands: assert (w_valid && w_last == $past(w_last) && w_data[0] == $past(w_data[0]) && w_strb[0] == $past(w_strb[0]));
             if ($past(ar_valid && !dram_ar_ready_i)) request_stands: assert (ar_valid && ar_id == $past(ar_id) && ar_addr == $past(ar_addr));
         end
-        nobody_waits: assert (!goes_on || waits < 12);
+        nobody_waits: assert (!goes_on || (waits < 12 && reads_wait < 12));
+        goes_first: assert (!overtaken[1]);
         both: cover (started && finished && owners == 2 && bursts == 2);
     end
 

@@ -5,7 +5,8 @@ use crate::describe::{Circuit, kernel};
 use crate::ports::{AxiReadMaster, AxiReadSlave, AxiWriteMaster, AxiWriteSlave};
 use rust_hdl::prelude::*;
 
-/// Two writers and two readers on one memory: they take turns, burst by burst, and their ids tell them apart.
+/// Two writers and two readers on one memory; their ids tell them apart. Writers take turns, burst by burst. Reader 1 goes first, since a screen does not wait: reader 0
+/// has its turn when reader 1 has not asked for three cycles, one more than a [`ReadAgent`](super::ReadAgent) takes between two bursts.
 ///
 /// At the memory's port stands an [`AxiGuard`], which completes what is in flight when the pair and its agents are reset. A turn takes a
 /// cycle, the guard another. A writer's words pass before the next writer's address is taken.
@@ -35,6 +36,9 @@ pub struct AxiPair<const W: usize, const S: usize> {
     write_turn: DFF<Bit>,
     #[reset(false)]
     read_turn: DFF<Bit>,
+    // Cycles in which reader 1 may still ask again.
+    #[reset(0)]
+    again: DFF<Bits<2>>,
     // Whose address was taken last: the words are that writer's.
     owner: DFF<Bit>,
     address_valid: Signal<Local, Bit>,
@@ -109,7 +113,7 @@ impl<const W: usize, const S: usize> Logic for AxiPair<W, S> {
             self.guard.write.b_ready.next = self.write_1.b_ready.val();
         }
 
-        // Addresses of reads, by turns too.
+        // Addresses of reads, reader 1's first.
         self.guard.read.ar_id.next = 0.into();
         self.guard.read.ar_addr.next = self.read_0.ar_addr.val();
         self.guard.read.ar_len.next = self.read_0.ar_len.val();
@@ -129,12 +133,17 @@ impl<const W: usize, const S: usize> Logic for AxiPair<W, S> {
             self.read_1.ar_ready.next = self.guard.read.ar_ready.val();
         }
         self.guard.read.ar_valid.next = self.request.val();
-        if self.guard.read.ar_ready.val() || !self.request.val() {
-            if self.read_turn.q.val() && self.read_0.ar_valid.val() {
+        if self.again.q.val().any() {
+            self.again.d.next = self.again.q.val() - 1;
+        }
+        if self.read_turn.q.val() {
+            if self.request.val() {
+                self.again.d.next = 3.into();
+            } else if self.read_0.ar_valid.val() && !self.again.q.val().any() {
                 self.read_turn.d.next = false;
-            } else if !self.read_turn.q.val() && self.read_1.ar_valid.val() {
-                self.read_turn.d.next = true;
             }
+        } else if self.read_1.ar_valid.val() && (self.guard.read.ar_ready.val() || !self.request.val()) {
+            self.read_turn.d.next = true;
         }
 
         // Words that were read, by id.
