@@ -258,8 +258,8 @@ fn weights_in_block_rams_with_their_own_registers_come_when_the_text_says() {
     let expected = trace(&Source { files: portable, ..bank() }, Some(images.path()), &asked());
     assert!(expected.iter().filter(|row| row[2] != 0).count() > 100, "hardly anything is read back");
     assert_eq!(as_mapped(images.path(), &ecp5::SYNTHESIS), expected);
-    let [commands, (name, map), register] = ecp5::SYNTHESIS;
-    let as_wrongly_mapped = |map: &str| as_mapped(images.path(), &[commands, (name, map), register]);
+    let [commands, (name, map), tables, register] = ecp5::SYNTHESIS;
+    let as_wrongly_mapped = |map: &str| as_mapped(images.path(), &[commands, (name, map), tables, register]);
     for (right, wrong) in [
         (".REGMODE(\"OUTREG\")", ".REGMODE(\"NOREG\")"),
         ("RD_DATA = block_q2[1] ?", "RD_DATA = block_q[1] ?"),
@@ -275,4 +275,95 @@ fn weights_in_block_rams_with_their_own_registers_come_when_the_text_says() {
     let straight = (0..36).fold(map.to_owned(), swap).replace('~', "");
     assert!(straight.contains(".DO0(found[block][32*half+0])"));
     assert_ne!(as_wrongly_mapped(&straight), expected);
+}
+
+/// A table of the display, with a memory image in a folder.
+struct Table {
+    width: usize,
+    depth: usize,
+    images: tempfile::TempDir,
+}
+
+impl Table {
+    fn new(width: usize, depth: usize) -> Self {
+        let images = tempfile::tempdir().unwrap();
+        std::fs::create_dir(images.path().join("mem")).unwrap();
+        let draw = &mut Draw::new(6);
+        let rows: String = (0..depth).map(|_| format!("{:x}\n", draw.bits() >> (64 - width))).collect();
+        std::fs::write(images.path().join("mem/table"), rows).unwrap();
+        Self { width, depth, images }
+    }
+
+    fn source(&self) -> Source {
+        let (width, depth) = (self.width, self.depth);
+        let inputs =
+            [("read_address_i", 16), ("write_enable_i", 1), ("address_i", 16), ("write_data_i", width)];
+        let outputs = [("read_data_o", width), ("data_o", width)];
+        let ports: Vec<Port> = std::iter::once(Port::clock("clock_i"))
+            .chain(inputs.map(|(name, bits)| Port::input(name, bits)))
+            .chain(outputs.map(|(name, bits)| Port::output(name, bits)))
+            .collect();
+        let declared = ports.iter().map(|port| {
+            let direction = if port.name.ends_with("_o") { "output" } else { "input" };
+            format!("{direction} wire [{}:0] {}", port.bits - 1, port.name)
+        });
+        let connected = ports.iter().map(|port| format!(".{0}({0})", port.name));
+        let [declared, connected] =
+            [declared.collect::<Vec<_>>(), connected.collect()].map(|list| list.join(", "));
+        let top = format!(
+            "module top ({declared});\n    edof_table #(.WIDTH({width}), .DEPTH({depth}), .INIT(\"table\")) colours ({connected});\nendmodule\n"
+        );
+        let leaf = LEAVES.iter().find(|leaf| leaf.0 == "edof_table").unwrap().1;
+        let files = [("top.v".into(), top), ("edof_table.v".into(), leaf.into())];
+        Source { top: "top".into(), files: files.into(), ports }
+    }
+
+    /// What is read, looked at and written: each fourth address is one of both ends of both halves, and no row is read in the cycle of its write.
+    fn asked(&self) -> Vec<Vec<u64>> {
+        let draw = &mut Draw::new(7);
+        let last = self.depth - 1;
+        let ends = [0, 1, 16_383.min(last), 16_384.min(last), last];
+        let row = |_| {
+            let mut address = || match draw.whole(0, 3) {
+                0 => ends[draw.whole(0, 4) as usize] as u64,
+                _ => draw.whole(0, last as i64) as u64,
+            };
+            let (read, looked) = (address(), address());
+            let write = read != looked && draw.whole(0, 1) == 0;
+            vec![read, u64::from(write), looked, draw.bits() >> (64 - self.width)]
+        };
+        (0..CYCLES).map(row).collect()
+    }
+
+    fn as_mapped(&self, synthesis: &[(&str, &str)]) -> Vec<Vec<u64>> {
+        let options =
+            yosys::Options { memory_dir: Some(self.images.path().into()), ..yosys::Options::default() };
+        let netlist = ecp5::mapped(&self.source(), &options, synthesis).unwrap();
+        let blocks = netlist.files[0].1.matches("DP16KD #(").count();
+        assert_eq!(blocks, self.width * self.depth.div_ceil(16_384));
+        trace(&netlist, None, &self.asked())
+    }
+}
+
+#[test]
+fn tables_take_one_block_ram_for_both_ports_and_come_when_the_text_says() {
+    for table in [Table::new(3, 16_384), Table::new(2, 32_768)] {
+        let expected = trace(&table.source(), Some(table.images.path()), &table.asked());
+        assert_eq!(table.as_mapped(&ecp5::SYNTHESIS), expected, "{} bits", table.width);
+    }
+    let table = Table::new(2, 32_768);
+    let expected = trace(&table.source(), Some(table.images.path()), &table.asked());
+    let [commands, weights, (name, map), register] = ecp5::SYNTHESIS;
+    for (right, wrong) in [
+        ("row / 8 % 2", "row / 8 % 1"),
+        ("64*half", "0*half"),
+        ("seen[looked_q[1]]", "seen[looked_q[0]]"),
+        ("HALVES == 1 || looked[14] == half", "1"),
+        ("wire [14:0] read = RD_ADDR[(1-LOOKS)*ABITS", "wire [14:0] read = RD_ADDR[LOOKS*ABITS"),
+    ] {
+        assert!(map.contains(right), "{right}");
+        let map = map.replace(right, wrong);
+        let found = table.as_mapped(&[commands, weights, (name, &map), register]);
+        assert_ne!(found, expected, "{wrong}");
+    }
 }

@@ -7,9 +7,10 @@ use crate::{Source, work};
 use std::path::Path;
 
 /// Commands from a known hierarchy to cells, and the maps that they read, as a generated directory has them.
-pub const SYNTHESIS: [(&str, &str); 3] = [
+pub const SYNTHESIS: [(&str, &str); 4] = [
     ("synth.ys", include_str!("../../../../project/ecp5/synth.ys")),
     ("weights_map.v", include_str!("../../../../project/ecp5/weights_map.v")),
+    ("tables_map.v", include_str!("../../../../project/ecp5/tables_map.v")),
     ("output_register.v", include_str!("../../../../project/ecp5/output_register.v")),
 ];
 

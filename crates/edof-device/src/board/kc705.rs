@@ -3,7 +3,7 @@
 //! Sources: UG810 (board), DS180 (cells), DS182 (limits of the MMCM), UG472 (steps of its dividers), UG473 and UG479 (blocks).
 
 use super::memory::Memory;
-use super::part::{BlockMemory, Columns, Multiplier, Part, ReadsTwice, Resources};
+use super::part::{BlockMemory, Columns, DeepRows, Multiplier, Part, ReadsTwice, Resources};
 use super::pll::Pll;
 use super::{Board, ClockMaker, Frames, Setup, Shell, Source, VideoIn, VideoOut};
 use crate::i2c::{receiver, transmitter};
@@ -54,6 +54,7 @@ const XC7K325T: Part = Part {
         half: Some("RAMB18E1"),
         widest: (72, 512),
         reads_twice: ReadsTwice::BothPorts,
+        deep_rows: DeepRows::PowerOfTwo,
     },
     logic: ["LUT", "FF"],
     logic_percent: [100, 100],

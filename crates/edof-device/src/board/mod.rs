@@ -19,7 +19,7 @@ pub mod ulx3s;
 
 pub use kc705::KC705;
 pub use memory::Memory;
-pub use part::{Part, Resources};
+pub use part::{BlockMemory, Part, Resources};
 pub use pll::{MadeClock, Pll};
 pub use ulx3s::ULX3S;
 

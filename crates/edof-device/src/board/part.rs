@@ -110,6 +110,17 @@ pub struct BlockMemory {
     pub widest: (usize, usize),
     /// How both ports read.
     pub reads_twice: ReadsTwice,
+    /// How many rows a memory has that is deeper than one block.
+    pub deep_rows: DeepRows,
+}
+
+/// How many rows a memory has that is deeper than one block.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DeepRows {
+    /// A power of two: its blocks have a part of each word, and none is chosen behind their outputs.
+    PowerOfTwo,
+    /// A multiple of these: no block holds rows that nobody uses, and a choice is behind their outputs.
+    MultipleOf(usize),
 }
 
 /// A memory both of whose ports read.
@@ -156,6 +167,15 @@ impl BlockMemory {
         }
         let shape = |fold: u32| width.div_ceil(widest >> fold) * depth.div_ceil(rows << fold);
         Resources { memories: (0..=3).map(shape).min().unwrap_or(0), ..Resources::default() }
+    }
+
+    /// Returns the rows that a memory has for so many.
+    #[must_use]
+    pub const fn rows(&self, needed: usize) -> usize {
+        match self.deep_rows {
+            DeepRows::MultipleOf(rows) if needed > rows => needed.next_multiple_of(rows),
+            _ => needed.next_power_of_two(),
+        }
     }
 
     /// Returns the blocks of a memory both of whose ports read.

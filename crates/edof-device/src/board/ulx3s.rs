@@ -5,7 +5,7 @@
 //! video connector at pads of the FPGA).
 
 use super::memory::Memory;
-use super::part::{BlockMemory, Multiplier, Part, ReadsTwice, Resources};
+use super::part::{BlockMemory, DeepRows, Multiplier, Part, ReadsTwice, Resources};
 use super::pll::Pll;
 use super::{Board, ClockMaker, Frames, Setup, Shell, Source, VideoIn, VideoOut};
 use crate::i2c::ov7670;
@@ -48,12 +48,13 @@ const BOARD_FILES: [(&str, &str); 3] = [
 ];
 
 /// How the project is built.
-const BUILD_FILES: [(&str, &str); 9] = [
+const BUILD_FILES: [(&str, &str); 10] = [
     ("Makefile", include_str!("../../../../project/ulx3s/Makefile")),
     ("README.md", include_str!("../../../../project/ulx3s/README.md")),
     ("requirements.txt", include_str!("../../../../tests/route/requirements.txt")),
     ("synth.ys", include_str!("../../../../project/ecp5/synth.ys")),
     ("weights_map.v", include_str!("../../../../project/ecp5/weights_map.v")),
+    ("tables_map.v", include_str!("../../../../project/ecp5/tables_map.v")),
     ("output_register.v", include_str!("../../../../project/ecp5/output_register.v")),
     ("report.py", include_str!("../../../../project/ecp5/report.py")),
     ("sim/block_cells.v", include_str!("../../../../sim/cells/ecp5.v")),
@@ -64,7 +65,13 @@ const BUILD_FILES: [(&str, &str); 9] = [
 const LFE5U_85F: Part = Part {
     name: "LFE5U-85F",
     multiplier: Multiplier { name: "MULT18X18D", value_bits: 18 },
-    memory: BlockMemory { name: "DP16KD", half: None, widest: (36, 512), reads_twice: ReadsTwice::Copies },
+    memory: BlockMemory {
+        name: "DP16KD",
+        half: None,
+        widest: (36, 512),
+        reads_twice: ReadsTwice::Copies,
+        deep_rows: DeepRows::MultipleOf(1024),
+    },
     logic: ["LUT4", "FF"],
     // Accumulators are outside of the multipliers, and LUTs have four inputs: within 5 % of the whole chains that Yosys 0.70 mapped.
     logic_percent: [218, 144],

@@ -3,6 +3,7 @@
 use super::Place;
 use crate::describe::Circuit;
 use crate::leaves::leaf;
+use edof_device::board::BlockMemory;
 use edof_device::design::memory::image_name;
 use rust_hdl::prelude::*;
 
@@ -27,14 +28,13 @@ pub struct Memory<const W: usize> {
 }
 
 impl<const W: usize> Memory<W> {
-    /// A memory of `depth` rows or more, a power of two, whose contents are open at the start; the model has zeros there. With fewer rows
-    /// than its blocks can be made to have in one piece, it would be pieced together, and a choice would stand behind its output.
+    /// A memory of `rows` or more, as it suits the blocks of a part, whose contents are open at the start; the model has zeros there.
     ///
     /// # Panics
     /// More rows than addresses.
     #[must_use]
-    pub fn open(depth: usize) -> Self {
-        Self::with(depth.next_power_of_two(), None, &[])
+    pub fn open(blocks: &BlockMemory, rows: usize) -> Self {
+        Self::with(blocks.rows(rows), None, &[])
     }
 
     /// A memory that starts with `contents`, read from `image` (`$readmemh`) in Verilog.

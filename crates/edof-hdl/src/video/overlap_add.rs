@@ -117,7 +117,8 @@ impl OverlapAdd {
         }
         let (rows, columns) =
             Geometry::new(design.form.window, frame.stride).patches(frame.height, frame.width);
-        let memory = || Memory::open(PATCH * (columns * stride / 2 + (PATCH - stride) / 2));
+        let memory =
+            || Memory::open(&design.board.part.memory, PATCH * (columns * stride / 2 + (PATCH - stride) / 2));
         let number = |value: usize| Constant::new((value as u64).into());
         let small = |value: usize| Constant::new((value as u64).into());
         let pairs = |value: usize| Constant::new((value as u64).into());

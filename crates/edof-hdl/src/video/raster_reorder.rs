@@ -108,7 +108,7 @@ impl RasterReorder {
         let (frame, stride) = (design.frame, design.frame.stride.pixels());
         let number = |value: usize| Constant::new((value as u64).into());
         // Each pair column has 16 rows: two slots of up to 8.
-        let memory = || Memory::open(16 * frame.width / 2);
+        let memory = || Memory::open(&design.board.part.memory, 16 * frame.width / 2);
         Self::from_parts(RasterReorderParts {
             last_pair_of_block: Constant::new((stride as u64 / 2 - 1).into()),
             last_row_of_block: Constant::new((stride as u64 - 1).into()),

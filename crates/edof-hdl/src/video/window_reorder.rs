@@ -161,7 +161,7 @@ impl WindowReorder {
         let slot_bits: u64 = if side + stride <= 16 { 4 } else { 5 };
         let lines = 1u64 << slot_bits;
         let start = geometry.window_start(0);
-        let memory = || Memory::open((frame.width / 2) << slot_bits);
+        let memory = || Memory::open(&design.board.part.memory, (frame.width / 2) << slot_bits);
         Self::from_parts(WindowReorderParts {
             slot_bits: Constant::new(slot_bits.into()),
             slot_mask: Constant::new((lines - 1).into()),
