@@ -5,7 +5,7 @@ use edof_hdl::project::Project;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The same project with the files of `folder`: its top module's, and those of the modules that it stands on. Memory images stay. The folder
+/// The same project with the files of `folder`: its top module's, those of the modules that it stands on, and models of the part's cells where the folder has them for its own benches. Memory images stay. The folder
 /// may also be the one that `edof generate` wrote, whose Verilog is in `rtl`.
 ///
 /// # Errors
@@ -32,6 +32,7 @@ pub fn with_verilog_of(project: Project, folder: &Path) -> Result<Project, Error
         return Err(Error::Port(format!("{}: has no port {}", path.display(), port.name)));
     }
     verilog.reverse();
+    verilog.extend(models_of_cells(folder)?);
     // The map knows the places of a file that has as many lines: a value may differ, as that of a parameter which only a whole board needs.
     let is_kept = |name: &String| {
         let lines = |files: &[(String, String)]| {
@@ -55,6 +56,20 @@ fn verilog_folder(top: &str, folder: &Path) -> Result<PathBuf, Error> {
             folder.display()
         ))
     })
+}
+
+/// The files `sim/*_cells.v` beside the Verilog.
+fn models_of_cells(folder: &Path) -> Result<Vec<(String, String)>, Error> {
+    let Ok(files) = folder.join("../sim").read_dir() else { return Ok(vec![]) };
+    let mut models = vec![];
+    for path in files.flatten().map(|file| file.path()) {
+        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        if name.ends_with("_cells.v") {
+            models.push((name, fs::read_to_string(&path).map_err(at(&path))?));
+        }
+    }
+    models.sort();
+    Ok(models)
 }
 
 fn is_module(folder: &Path, word: &str) -> bool {
