@@ -1,7 +1,7 @@
 //! First light of the ULX3S, without a camera and with one: hosts talk to everything between its pins by the serial line alone, and every word is the
 //! golden pipeline's.
 
-use crate::common::{committed, moderate};
+use crate::common::{committed, moderate, root};
 use crate::support;
 use edof_board::Board;
 use edof_board::chip_models::Timing;
@@ -27,11 +27,18 @@ use std::ops::ControlFlow;
 /// Fewer cycles per bit than on the board; all else is the same.
 const FAST: u32 = 6_250_000;
 
-/// The committed design with frames of a part of the board's buffers.
+/// The committed design with frames of a part of the board's buffers, and a smaller network.
 fn design() -> Design {
     let committed = committed("ulx3s");
     let frame = FrameSize { width: 32, height: 24, ..committed.frame };
-    Design { frame, ..committed }
+    let small = Design::load(&root().join("tests/route/small.json")).unwrap();
+    Design {
+        frame,
+        form: small.form,
+        stages: small.stages,
+        accumulator_bits: small.accumulator_bits,
+        ..committed
+    }
 }
 
 fn display() -> Display {
@@ -141,7 +148,10 @@ fn a_memory_that_loses_a_word_is_found() {
 
 /// Frames of a camera.
 fn frames(count: usize) -> Vec<RawFrame> {
-    let size = design().frame;
+    frames_of(design().frame, count)
+}
+
+fn frames_of(size: FrameSize, count: usize) -> Vec<RawFrame> {
     let draw = &mut Draw::new(7);
     let frame = |_| {
         let values = Array2::from_shape_fn((size.height, size.width), |_| draw.whole(0, 255) as u16);
@@ -168,6 +178,36 @@ fn a_camera_at_the_pins_makes_golden_pictures_at_the_pins_of_the_screen() {
     let look = Board::open(&mut simulated, PATIENCE).unwrap().look(design().stages.len()).unwrap();
     let chips = findings(&ULX3S, &look).into_iter().map(|chip| (chip.about, chip.is_good));
     assert_eq!(chips.collect::<Vec<_>>(), [("camera", true), ("input", true)]);
+}
+
+/// Memory and screen have their own rates, which smaller frames and faster lines do not have.
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn pictures_of_the_boards_own_size_are_whole_at_its_own_speeds() {
+    let design = Design { frame: committed("ulx3s").frame, ..design() };
+    let network = moderate(&design, 5);
+    let golden = Golden::new(network.clone()).unwrap();
+    let pace = Pace::of(&ULX3S);
+    let sent = |edit: fn(&str) -> String| {
+        let mut project = first_light::project(&design, [&network; 2], &display(), &pace).unwrap();
+        let (_, text) = project.verilog.iter_mut().find(|(name, _)| name.starts_with("axi_pair")).unwrap();
+        *text = edit(text);
+        let mut board = FirstLight::start(&project, &design, (pace, 1), &support::options()).unwrap();
+        let frames = frames_of(design.frame, 2);
+        let trip =
+            Trip { screen: design.screen(), golden: &golden, display: &display(), frames: &frames, seed: 1 };
+        trip.run(&mut board, &mut |_| ControlFlow::Continue(()))
+    };
+    let found = sent(str::to_owned).unwrap();
+    assert!(found.screen_frames > 4, "{found:?}");
+    // Readers that take turns: too little for the screen.
+    let by_turns = |text: &str| {
+        let right = "if (read_0_ar_valid_i && (again_q == 2'd0))";
+        assert_eq!(text.matches(right).count(), 1, "{text}");
+        text.replace(right, "if (read_0_ar_valid_i)")
+    };
+    let said = sent(by_turns).unwrap_err().to_string();
+    assert!(said.contains("golden up to the codes that come out"), "{said}");
 }
 
 /// A file, its text, a mistake in its place, and what is said of it.
