@@ -13,6 +13,10 @@ pub struct Avx512(());
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Avx512Vnni(());
 
+/// Proof that this machine has, besides, AMX with products of bytes, and that this process may use its tiles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Amx(());
+
 /// Instruction sets that have kernels of their own.
 ///
 /// What a machine was not seen to have cannot be named:
@@ -30,6 +34,8 @@ pub enum Isa {
     Avx512(Avx512),
     /// AVX-512 with sums of products, and words packed by a mask.
     Avx512Vnni(Avx512Vnni),
+    /// Products of tiles of bytes, with AVX-512 for all else.
+    Amx(Amx),
 }
 
 impl Isa {
@@ -55,14 +61,52 @@ impl Isa {
         let vnni =
             avx512 && is_x86_feature_detected!("avx512vnni") && is_x86_feature_detected!("avx512vbmi2");
         let avx512 = if avx512 { Some(Self::Avx512(Avx512(()))) } else { None };
+        let amx = if vnni && may_use_tiles() { Some(Self::Amx(Amx(()))) } else { None };
         let vnni = if vnni { Some(Self::Avx512Vnni(Avx512Vnni(()))) } else { None };
-        [Some(Self::Portable), avx2, avx512, vnni].into_iter().flatten()
+        [Some(Self::Portable), avx2, avx512, vnni, amx].into_iter().flatten()
     }
 
     #[cfg(not(target_arch = "x86_64"))]
     fn detected() -> impl Iterator<Item = Self> {
         std::iter::once(Self::Portable)
     }
+}
+
+/// Whether the processor has AMX with products of bytes, and the operating system lets this process use it, for which it must be asked once.
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+fn may_use_tiles() -> bool {
+    use std::arch::{asm, x86_64::__cpuid_count};
+    use std::sync::LazyLock;
+    // CPUID 7: EDX says AMX-TILE and AMX-INT8. Linux' arch_prctl with ARCH_REQ_XCOMP_PERM asks for the tiles' state.
+    const TILE_INT8: u32 = 1 << 24 | 1 << 25;
+    const ARCH_PRCTL: i64 = 158;
+    const ARCH_REQ_XCOMP_PERM: i64 = 0x1023;
+    const TILE_DATA: i64 = 18;
+    static ASKED: LazyLock<bool> = LazyLock::new(|| {
+        if __cpuid_count(7, 0).edx & TILE_INT8 != TILE_INT8 {
+            return false;
+        }
+        let mut result = ARCH_PRCTL;
+        // SAFETY: this system call takes two numbers, and changes nothing of this program's.
+        unsafe {
+            asm!(
+                "syscall",
+                inout("rax") result,
+                in("rdi") ARCH_REQ_XCOMP_PERM,
+                in("rsi") TILE_DATA,
+                out("rcx") _,
+                out("r11") _,
+                options(nostack),
+            );
+        }
+        result == 0
+    });
+    *ASKED
+}
+
+#[cfg(all(target_arch = "x86_64", not(target_os = "linux")))]
+const fn may_use_tiles() -> bool {
+    false
 }
 
 /// Defines a function whose body, plain Rust, is compiled once for every instruction set.
@@ -90,7 +134,7 @@ macro_rules! for_each_isa {
                 Isa::Avx2(_) => unsafe { avx2($($arg),*) },
                 // SAFETY: as above.
                 #[cfg(target_arch = "x86_64")]
-                Isa::Avx512(_) | Isa::Avx512Vnni(_) => unsafe { avx512($($arg),*) },
+                Isa::Avx512(_) | Isa::Avx512Vnni(_) | Isa::Amx(_) => unsafe { avx512($($arg),*) },
                 #[cfg(not(target_arch = "x86_64"))]
                 _ => body($($arg),*),
             }

@@ -11,6 +11,7 @@
 //! | matrix products | `kernels` |
 //! | in plain Rust | `portable` |
 //! | for AVX2 and AVX-512 | `x86` |
+//! | for AMX: products of whole vectors, sparse ones too | `amx` |
 //! | sums to words: round, shift, saturate, shrink | `finish` |
 //!
 //! Sums run in 32 bits as long as a bound proves that they fit, and are then split into `sums::Sums`. For dense products the bound is a
@@ -18,6 +19,7 @@
 //! Σ |sparse code|. Both hold for every partial sum.
 
 mod active;
+mod amx;
 mod columns;
 mod finish;
 pub(crate) mod isa;
@@ -34,12 +36,14 @@ pub use isa::Isa;
 use crate::scalar::{self, sends_difference};
 use crate::trace::{LayerWords, StageCounts, Trace};
 use active::Active;
+use amx::{Planes, Tiled, Vectors};
 use columns::Columns;
 use edof_core::colour::OUTPUTS_422;
 use edof_core::number::{InputWord, OutputWord, bits_of, words_of};
 use edof_network::FixedNetwork;
 use edof_network::network::Recurrence;
 use finish::{Finish, FinishOutputs};
+use isa::Amx;
 use operands::Inputs;
 use pack::{Packed, padded};
 use sums::Sums;
@@ -54,7 +58,32 @@ pub struct Fast {
     recurrent: Vec<Columns>,
     dictionary: Columns,
     linear_path: Option<Packed>,
+    tiled: Option<TiledNetwork>,
     finish: FinishOutputs,
+}
+
+/// The matrices for AMX.
+#[derive(Debug, Clone)]
+struct TiledNetwork {
+    token: Amx,
+    analysis: Tiled,
+    /// What each stage's words are multiplied by ([`Fast::after`]).
+    after: Vec<Tiled>,
+    linear_path: Option<Tiled>,
+}
+
+impl TiledNetwork {
+    fn new(network: &FixedNetwork, isa: Isa) -> Option<Self> {
+        let Isa::Amx(token) = isa else { return None };
+        let stages = network.form.shrinkages();
+        let recurrent = (0..stages - 1).map(|t| &network.recurrent[network.form.recurrent_index(t)].weights);
+        Some(Self {
+            token,
+            analysis: Tiled::new(&network.analysis.weights),
+            after: recurrent.chain([&network.dictionary.weights]).map(Tiled::new).collect(),
+            linear_path: network.linear_path.as_ref().map(|r| Tiled::new(&r.weights)),
+        })
+    }
 }
 
 /// What an I or M stage does with its sums.
@@ -79,11 +108,12 @@ pub struct Batch {
     sums: Sums,
     linear: Sums,
     active: Active,
+    planes: Planes,
 }
 
 impl Batch {
-    /// Patches in a batch: four tiles, whose words fit the second cache beside the weights.
-    pub const PATCHES: usize = 24;
+    /// Patches in a batch: whole tiles of vectors, whose words fit the second cache beside the weights.
+    pub const PATCHES: usize = 96;
 
     /// Room for batches of this network.
     #[must_use]
@@ -109,6 +139,7 @@ impl Batch {
             sums: Sums::new(Self::PATCHES * rows.max(OUTPUTS_422)),
             linear: Sums::new(Self::PATCHES * OUTPUTS_422),
             active: Active::default(),
+            planes: Planes::default(),
         }
     }
 
@@ -184,6 +215,11 @@ impl Windows {
     fn first(&self, count: usize) -> Inputs<'_> {
         Inputs { words: bits_of(&self.words[..count * self.pixels]), largest: &self.largest[..count] }
     }
+
+    fn vectors(&self, count: usize) -> Vectors<'_> {
+        let words = bits_of(&self.words[..count * self.pixels]);
+        Vectors { words, stride: self.pixels, columns: self.pixels }
+    }
 }
 
 /// What a layer sends.
@@ -211,6 +247,7 @@ impl Fast {
             recurrent: network.recurrent.iter().map(|s| Columns::new(&s.weights)).collect(),
             dictionary: Columns::new(&network.dictionary.weights),
             linear_path: network.linear_path.as_ref().map(|r| Packed::new(&r.weights)),
+            tiled: TiledNetwork::new(&network, isa),
             finish: FinishOutputs {
                 shifts: network.final_shifts(),
                 accumulator_bits: accumulator_bits[network.form.layers - 1],
@@ -272,11 +309,25 @@ impl Fast {
             (padded(batch.codes), self.network.code_bits, self.network.form.shrinkage);
         let stage = &self.stages[t];
         let (before, rest) = batch.words.split_at_mut(t);
+        let sent_before = before.last().map(sent);
         let LayerWords { b, z, sent } = &mut rest[0];
-        match t.checked_sub(1) {
-            None => kernels::dense(self.isa, &self.analysis, batch.windows.first(count), &mut batch.sums),
-            Some(last) => {
+        let wants_low = !stage.finish.is_narrow();
+        match (&self.tiled, t.checked_sub(1)) {
+            (None, None) => {
+                kernels::dense(self.isa, &self.analysis, batch.windows.first(count), &mut batch.sums);
+            }
+            (None, Some(last)) => {
                 kernels::sparse(self.isa, self.after(last), &batch.active, count, &mut batch.sums);
+            }
+            (Some(tiled), None) => {
+                let (vectors, sums) = (batch.windows.vectors(count), (&mut batch.sums, wants_low));
+                amx::dense(tiled.token, &tiled.analysis, vectors, &mut batch.planes, sums);
+            }
+            (Some(tiled), Some(last)) => {
+                let words = &sent_before.unwrap_or_default()[..count * rows];
+                let vectors = Vectors { words, stride: rows, columns: batch.codes };
+                let sums = (&mut batch.sums, wants_low);
+                amx::dense(tiled.token, &tiled.after[last], vectors, &mut batch.planes, sums);
             }
         }
         let base = match self.network.form.recurrence {
@@ -305,15 +356,30 @@ impl Fast {
                     sent
                 }
             };
-            counts.nonzeros = batch.active.push(self.isa, sent, self.after(t).largest);
+            counts.nonzeros = match self.tiled {
+                Some(_) => amx::nonzeros(self.isa, sent),
+                None => batch.active.push(self.isa, sent, self.after(t).largest),
+            };
         }
     }
 
     /// F's words of `count` patches.
     fn outputs(&self, batch: &mut Batch, count: usize) {
-        kernels::sparse(self.isa, &self.dictionary, &batch.active, count, &mut batch.sums);
-        if let Some(r) = &self.linear_path {
-            kernels::dense(self.isa, r, batch.windows.first(count), &mut batch.linear);
+        if let Some(tiled) = &self.tiled {
+            let (rows, last) = (padded(batch.codes), self.stages.len() - 1);
+            let words = &sent(&batch.words[last])[..count * rows];
+            let vectors = Vectors { words, stride: rows, columns: batch.codes };
+            let sums = (&mut batch.sums, true);
+            amx::dense(tiled.token, &tiled.after[last], vectors, &mut batch.planes, sums);
+            if let Some(r) = &tiled.linear_path {
+                let sums = (&mut batch.linear, true);
+                amx::dense(tiled.token, r, batch.windows.vectors(count), &mut batch.planes, sums);
+            }
+        } else {
+            kernels::sparse(self.isa, &self.dictionary, &batch.active, count, &mut batch.sums);
+            if let Some(r) = &self.linear_path {
+                kernels::dense(self.isa, r, batch.windows.first(count), &mut batch.linear);
+            }
         }
         let linear = self.linear_path.is_some().then_some(&batch.linear);
         for (i, out) in batch.output.chunks_exact_mut(OUTPUTS_422).take(count).enumerate() {
