@@ -59,9 +59,12 @@ pub fn run(
     interrupt::check()?;
     let shown = shown.map_err(|e| Error::message(e.to_string()))?;
     let [line, cycle] = shown.camera_starts_at;
+    let rate = shown
+        .pictures_per_second
+        .map_or_else(String::new, |rate| format!("; {rate:.1} pictures a second came into the memory"));
     ui.say(format!(
         "{}: {} pictures one after the other from the camera's pins to the screen's, every pixel of {} frames of the screen as golden, and every word of \
-         the last one at every boundary; the camera started in line {line}, cycle {cycle}, and its clock stood still {} times",
+         the last one at every boundary; the camera started in line {line}, cycle {cycle}, and its clock stood still {} times{rate}",
         design.name, frames.len(), shown.screen_frames, shown.stops
     ))?;
     ui.json(&json!({
@@ -72,6 +75,7 @@ pub fn run(
         "screen_frames": shown.screen_frames,
         "camera_starts_at": shown.camera_starts_at,
         "camera_stops": shown.stops,
+        "pictures_per_second": shown.pictures_per_second,
         "memory_refreshes": shown.refreshes,
         "differences": 0,
         "simulated_seconds": shown.seconds,

@@ -180,34 +180,39 @@ fn a_camera_at_the_pins_makes_golden_pictures_at_the_pins_of_the_screen() {
     assert_eq!(chips.collect::<Vec<_>>(), [("camera", true), ("input", true)]);
 }
 
-/// Memory and screen have their own rates, which smaller frames and faster lines do not have.
-#[test]
-#[ignore = "minutes: scripts/soak.sh"]
-fn pictures_of_the_boards_own_size_are_whole_at_its_own_speeds() {
+/// Two frames of the board's own size, at its own speeds, which smaller frames and faster lines do not have; through a text that was edited.
+fn at_full_size(file: &str, right: &str, wrong: &str) -> Result<Shown, Failure> {
     let design = Design { frame: committed("ulx3s").frame, ..design() };
     let network = moderate(&design, 5);
-    let golden = Golden::new(network.clone()).unwrap();
     let pace = Pace::of(&ULX3S);
-    let sent = |edit: fn(&str) -> String| {
-        let mut project = first_light::project(&design, [&network; 2], &display(), &pace).unwrap();
-        let (_, text) = project.verilog.iter_mut().find(|(name, _)| name.starts_with("axi_pair")).unwrap();
-        *text = edit(text);
-        let mut board = FirstLight::start(&project, &design, (pace, 1), &support::options()).unwrap();
-        let frames = frames_of(design.frame, 2);
-        let trip =
-            Trip { screen: design.screen(), golden: &golden, display: &display(), frames: &frames, seed: 1 };
-        trip.run(&mut board, &mut |_| ControlFlow::Continue(()))
-    };
-    let found = sent(str::to_owned).unwrap();
-    assert!(found.screen_frames > 4, "{found:?}");
-    // Readers that take turns: too little for the screen.
-    let by_turns = |text: &str| {
-        let right = "if (read_0_ar_valid_i && (again_q == 2'd0))";
-        assert_eq!(text.matches(right).count(), 1, "{text}");
-        text.replace(right, "if (read_0_ar_valid_i)")
-    };
-    let said = sent(by_turns).unwrap_err().to_string();
-    assert!(said.contains("golden up to the codes that come out"), "{said}");
+    let mut project = first_light::project(&design, [&network; 2], &display(), &pace).unwrap();
+    let (_, text) = project.verilog.iter_mut().find(|(name, _)| name == file).unwrap();
+    assert_eq!(text.matches(right).count(), 1, "{file}: {right}");
+    *text = text.replace(right, wrong);
+    let mut board = FirstLight::start(&project, &design, (pace, 1), &support::options()).unwrap();
+    let golden = Golden::new(network).unwrap();
+    let frames = frames_of(design.frame, 2);
+    let (screen, display) = (design.screen(), &display());
+    Trip { screen, golden: &golden, display, frames: &frames, seed: 1 }
+        .run(&mut board, &mut |_| ControlFlow::Continue(()))
+}
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn pictures_of_the_boards_own_size_are_whole_though_the_memory_refreshes_twice_as_often() {
+    let interval = "REFRESH_INTERVAL = 12'd389";
+    let shown = at_full_size("axi_sdram.v", interval, "REFRESH_INTERVAL = 12'd194").unwrap();
+    // The camera sends 31 frames a second, of which the calculator takes as many as the memory lets it.
+    let rate = shown.pictures_per_second.unwrap();
+    assert!((20.0..32.0).contains(&rate), "{rate} pictures per second");
+}
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn readers_that_take_turns_give_the_screen_too_little() {
+    let first = "if (read_0_ar_valid_i && (again_q == 2'd0))";
+    let turns = at_full_size("axi_pair_w128_s16.v", first, "if (read_0_ar_valid_i)").unwrap_err().to_string();
+    assert!(turns.contains("golden up to the codes that come out"), "{turns}");
 }
 
 /// A file, its text, a mistake in its place, and what is said of it.

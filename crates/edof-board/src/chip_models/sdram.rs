@@ -95,6 +95,9 @@ pub struct Sdram {
     leaving: HashMap<u64, u16>,
     last_driven: u64,
     mask: u8,
+    /// Words whose writes are noted, by bank, row and column, and when they were written.
+    watched: Vec<(usize, u16, u16)>,
+    moments: Vec<u64>,
 }
 
 impl Sdram {
@@ -116,7 +119,20 @@ impl Sdram {
             leaving: HashMap::new(),
             last_driven: 0,
             mask: 0,
+            watched: vec![],
+            moments: vec![],
         }
+    }
+
+    /// Notes when these words are written: bank, row and column of each.
+    pub fn watch(&mut self, words: impl IntoIterator<Item = (usize, u16, u16)>) {
+        self.watched = words.into_iter().collect();
+    }
+
+    /// Returns when words that are watched were written, in picoseconds.
+    #[must_use]
+    pub fn moments(&self) -> &[u64] {
+        &self.moments
     }
 
     /// Refreshes so far.
@@ -176,6 +192,9 @@ impl Sdram {
         let lines: u16 = bytes.filter(|(byte, _)| pins.mask >> byte & 1 == 0).map(|(_, lines)| lines).sum();
         self.words.insert(place, data & lines | kept & !lines);
         self.banks[bank].written = now + T_WR;
+        if self.watched.contains(&place) {
+            self.moments.push(now);
+        }
         Ok(())
     }
 

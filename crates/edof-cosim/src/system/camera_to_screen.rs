@@ -43,6 +43,8 @@ pub struct Shown {
     pub camera_starts_at: [usize; 2],
     /// How often its clock stood still.
     pub stops: usize,
+    /// Pictures per second that came whole into the memory.
+    pub pictures_per_second: Option<f64>,
     /// Refreshes of the memory.
     pub refreshes: usize,
     /// Simulated seconds.
@@ -138,6 +140,7 @@ impl Trip<'_> {
             self.until_shown(board, (number, &picture, &before), draw, &mut shown, each)?;
             before = picture;
         }
+        shown.pictures_per_second = board.pictures_per_second();
         self.check_words(board)?;
         Ok(Shown { refreshes: board.refreshes(), seconds: board.seconds(), ..shown })
     }

@@ -191,6 +191,8 @@ impl FirstLight {
         let screen_clock = clock("screen_clock_i", screen)?;
         let terminal = Terminal::new(library.source(), core, pace.cycles_per_bit).map_err(stopped)?;
         let sdram = SdramChip::new(library.source(), "sdram_", core, periods.core).map_err(stopped)?;
+        let last_word = 2 * (design.frame.width * design.frame.height - 1) as u32;
+        let sdram = sdram.watching(design.board.memory.picture_buffers.map(|buffer| buffer + last_word));
         // Lines that nobody drives.
         for port in ["uart_receive_i", "camera_scl_i", "camera_sda_i"] {
             bench.set(port, 1).map_err(stopped)?;
@@ -274,6 +276,17 @@ impl FirstLight {
     /// As [`FirstLight::steps`].
     pub fn leds(&mut self) -> Result<u64, Error> {
         self.bench.get("leds_o").map_err(stopped)
+    }
+
+    /// Pictures per second that came whole into the memory, if there are two.
+    #[must_use]
+    pub fn pictures_per_second(&self) -> Option<f64> {
+        match self.sdram.moments() {
+            [first, .., last] => {
+                Some((self.sdram.moments().len() - 1) as f64 / ((last - first) as f64 * 1e-12))
+            }
+            _ => None,
+        }
     }
 
     /// Refreshes of the memory so far.

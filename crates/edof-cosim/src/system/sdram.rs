@@ -41,6 +41,23 @@ impl SdramChip {
         })
     }
 
+    /// Notes when the controller writes the words at these byte addresses, of which a row's 512 are in one bank, and the next row's in the next.
+    #[must_use]
+    pub fn watching(mut self, addresses: impl IntoIterator<Item = u32>) -> Self {
+        let place = |address: u32| {
+            let word = address / 2;
+            ((word >> 9 & 3) as usize, (word >> 11) as u16, (word & 511) as u16)
+        };
+        self.chip.watch(addresses.into_iter().map(place));
+        self
+    }
+
+    /// Returns when words that are watched were written, in picoseconds.
+    #[must_use]
+    pub fn moments(&self) -> &[u64] {
+        self.chip.moments()
+    }
+
     /// Refreshes so far.
     #[must_use]
     pub fn refreshes(&self) -> usize {
