@@ -122,8 +122,12 @@ def opened(browser, *options):
     """A program with its page, which is there; and its address."""
     program = subprocess.Popen([EDOF, "play", *options], stdout=subprocess.PIPE, text=True)
     address = program.stdout.readline().split()[0]
-    browser.open(address)
-    settled(browser)
+    try:
+        browser.open(address)
+        settled(browser)
+    except BaseException:
+        program.kill()
+        raise
     return program, address
 
 
