@@ -380,6 +380,16 @@ fn a_training_beside_the_pictures_makes_the_network_of_the_command() {
     assert_eq!((&own["differs"], &own["is_noise_known"]), (&json!([]), &json!(true)));
     let listed = page.get("setup").json();
     assert_eq!(listed["networks"].as_array().unwrap().last().unwrap()["name"], "page-1");
+    // In other noise it is still the only one for this lens; another lens has another one.
+    let network = |field: &str, value: f64| {
+        let mut moved = state.clone();
+        moved[field] = json!(value);
+        page.post("pictures", &moved).pictures().0["lens"]["network"].clone()
+    };
+    let noisy = network("electrons", 300.0);
+    assert_eq!((&noisy["name"], &noisy["is_noise_known"]), (&json!("page-1"), &json!(false)));
+    let other = network("stops", 2.0);
+    assert!(other["name"] != "page-1" && other["differs"] != json!([]), "{other}");
     // Its file does what the page shows, and the command makes the same weights.
     place.write("page-1.safetensors", page.get("weights/page-1.safetensors").body);
     let mut lens = text["lens"].clone();

@@ -16,7 +16,7 @@ fn a_study_of_one_depth_adds_rows_to_its_file_and_compares_with_the_paper() {
     place.edof("study dictionary --images photos --photos all --atoms 12 --patches 400 --rounds 2 --out d.safetensors").done();
     let study = |more: &str| {
         let line = "study single-depth --rows rows.jsonl --camera clear --nets net.safetensors --images photos --psi 2 --noise none \
-                    --stride 8 --dictionary d.safetensors --report r.html --markdown m.md --csv rows.csv --plot p.svg --methods ";
+                    --stride 8 --dictionary d.safetensors --report r.html --markdown m.md --csv rows.csv --plot p.svg --latex t.tex --methods ";
         let out = place.edof(&format!("{line}{more}")).done().out;
         let rows = std::fs::read_to_string(place.path("rows.jsonl")).unwrap();
         (out, rows)
@@ -31,6 +31,11 @@ fn a_study_of_one_depth_adds_rows_to_its_file_and_compares_with_the_paper() {
     let report = std::fs::read_to_string(place.path("r.html")).unwrap();
     assert!(report.contains("<svg") && !report.contains("src=\"http"));
     assert!(std::fs::read_to_string(place.path("p.svg")).unwrap().starts_with("<svg"));
+    let latex = std::fs::read_to_string(place.path("t.tex")).unwrap();
+    assert!(
+        latex.starts_with("% Made by `edof study single-depth") && latex.contains("\nomp/s8 & $"),
+        "{latex}"
+    );
     let csv = std::fs::read_to_string(place.path("rows.csv")).unwrap();
     assert!(csv.starts_with("method,family,") && csv.lines().count() == rows.lines().count(), "{csv}");
     let refused = |options: &str, words: &str| {

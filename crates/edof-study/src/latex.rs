@@ -1,4 +1,4 @@
-//! The table of photographs for a paper, in LaTeX: means over photographs, with their standard errors.
+//! Tables for a paper, in LaTeX: means over photographs, with their standard errors.
 
 use crate::made::Made;
 use crate::methods::method::Format;
@@ -20,31 +20,48 @@ impl Study {
                     let [farthest, _, average] = found.picture.cells();
                     [farthest, average].map(cell)
                 }
-                None => ["--", "--"].map(str::to_owned),
+                None => [DASH, DASH].map(str::to_owned),
             };
             let names = [subject.0.to_string(), subject.1.to_owned()].map(|name| escaped(&name));
-            line(names.into_iter().chain(noises.iter().flat_map(of)))
+            names.into_iter().chain(noises.iter().flat_map(of)).collect()
         });
-        let groups =
-            noises.iter().map(|noise| format!("\\multicolumn{{2}}{{c}}{{{}}}", noise_in_latex(*noise)));
-        let depths = noises.iter().flat_map(|_| [format!("$\\psi = {farthest}$"), "average".to_owned()]);
-        let empty = || ["", ""].map(str::to_owned).into_iter();
-        let titles = ["method", "camera"].map(str::to_owned).into_iter();
-        let text = format!(
-            "{made}\nNeeds the package booktabs. PSNR in dB, mean and standard error over photographs."
-        );
-        let remarks: String = text.lines().map(|line| format!("% {line}\n")).collect();
-        format!(
-            "{remarks}\\begin{{tabular}}{{ll{}}}\n\\toprule\n{}{}\\midrule\n{}\\bottomrule\n\\end{{tabular}}\n",
-            "rr".repeat(noises.len()),
-            line(empty().chain(groups)),
-            line(titles.chain(depths)),
-            rows.collect::<String>(),
-        )
+        let groups = noises.iter().map(|noise| noise_in_latex(*noise));
+        let depths = [format!("$\\psi = {farthest}$"), "average".to_owned()];
+        let remark = "PSNR in dB, mean and standard error over photographs.";
+        tabular(&format!("{made}\n{remark}"), &["method", "camera"], groups, &depths, rows)
     }
 }
 
-fn cell((mean, standard_error): (f64, Option<f64>)) -> String {
+/// What stands for a number that there is not.
+pub(crate) const DASH: &str = "--";
+
+/// Returns a table for the package booktabs. Columns begin with `names`; each group has the columns `titles`. Remarks are comments above it.
+pub(crate) fn tabular(
+    remarks: &str,
+    names: &[&str],
+    groups: impl Iterator<Item = String>,
+    titles: &[String],
+    rows: impl Iterator<Item = Vec<String>>,
+) -> String {
+    let width = titles.len();
+    let groups: Vec<String> =
+        groups.map(|title| format!("\\multicolumn{{{width}}}{{c}}{{{title}}}")).collect();
+    let remarks: String =
+        format!("{remarks}\nNeeds the package booktabs.").lines().map(|line| format!("% {line}\n")).collect();
+    let columns = "l".repeat(names.len()) + &"r".repeat(width * groups.len());
+    let titles = std::iter::repeat_n(titles, groups.len()).flatten().cloned();
+    let titles = names.iter().map(|&name| name.to_owned()).chain(titles).collect();
+    let groups = names.iter().map(|_| String::new()).chain(groups).collect();
+    format!(
+        "{remarks}\\begin{{tabular}}{{{columns}}}\n\\toprule\n{}{}\\midrule\n{}\\bottomrule\n\\end{{tabular}}\n",
+        line(groups),
+        line(titles),
+        rows.map(line).collect::<String>(),
+    )
+}
+
+/// A mean with its standard error.
+pub(crate) fn cell((mean, standard_error): (f64, Option<f64>)) -> String {
     match standard_error {
         _ if mean.is_infinite() => "$\\infty$".to_owned(),
         Some(error) => format!("${mean:.2} \\pm {error:.2}$"),
@@ -52,11 +69,12 @@ fn cell((mean, standard_error): (f64, Option<f64>)) -> String {
     }
 }
 
-fn line(cells: impl Iterator<Item = String>) -> String {
-    cells.collect::<Vec<_>>().join(" & ") + " \\\\\n"
+fn line(cells: Vec<String>) -> String {
+    cells.join(" & ") + " \\\\\n"
 }
 
-fn noise_in_latex(noise: Noise) -> String {
+/// What tables call a noise.
+pub(crate) fn noise_in_latex(noise: Noise) -> String {
     match noise {
         Noise::Gaussian { sigma } => format!("$\\sigma = {sigma}$"),
         noise => escaped(&crate::tables::noise_words(noise)),
@@ -64,7 +82,7 @@ fn noise_in_latex(noise: Noise) -> String {
 }
 
 /// Text without characters that LaTeX reads as commands.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let escape = |letter: char| match letter {
         '\\' => "\\textbackslash{}".to_owned(),
         '~' => "\\textasciitilde{}".to_owned(),

@@ -1,6 +1,7 @@
 //! What a study of one depth says: error and time of each method, and what the paper says of both.
 
 mod claims;
+mod latex;
 mod verdict;
 
 pub use claims::Claim;
@@ -204,14 +205,19 @@ impl Speed {
         let axis = Axis::linear("PSNR (dB)");
         Plot {
             title: format!("Error against speed: {}", of.title()),
-            x: Axis::log(if self.points.iter().any(|p| p.cpu_seconds_per_megapixel.is_some()) {
-                "CPU seconds per megapixel, all threads; .board: cycles at the planned clock"
-            } else {
-                "seconds per megapixel"
-            }),
+            x: Axis::log(self.cost_in_words()),
             y: min.map_or_else(|| axis.clone(), |min| axis.clone().from(min)),
             size: [900.0, 540.0],
             series,
+        }
+    }
+
+    /// What [`Point::cost`] is.
+    fn cost_in_words(&self) -> &'static str {
+        if self.points.iter().any(|p| p.cpu_seconds_per_megapixel.is_some()) {
+            "CPU seconds per megapixel, all threads; .board: cycles at the planned clock"
+        } else {
+            "seconds per megapixel"
         }
     }
 
@@ -275,6 +281,12 @@ impl Point {
     /// CPU seconds per megapixel, independent of other work on the machine, where they are known.
     fn cost(&self) -> f64 {
         self.cpu_seconds_per_megapixel.unwrap_or(self.seconds_per_megapixel)
+    }
+
+    /// Of the PSNR's mean over photographs.
+    fn standard_error(&self) -> Option<f64> {
+        let each: Vec<f64> = self.photo_psnr_db.values().copied().collect();
+        Paired::of(&each)?.standard_error
     }
 
     fn is_of(&self, row: &Row) -> bool {
@@ -364,9 +376,7 @@ fn averages<'a>(points: impl Iterator<Item = &'a Point>) -> Table {
             .nonzeros_a_patch
             .as_ref()
             .map(|n| n.iter().map(|n| format!("{n:.1}")).collect::<Vec<_>>().join(" / "));
-        let each: Vec<f64> = p.photo_psnr_db.values().copied().collect();
-        let error = Paired::of(&each).and_then(|paired| paired.standard_error);
-        let mut cells = vec![p.method.clone(), with_error(p.psnr_db, error)];
+        let mut cells = vec![p.method.clone(), with_error(p.psnr_db, p.standard_error())];
         cells.extend(metrics.iter().map(|metric| cell(&p.means, metric)));
         cells.extend([
             format!("{:.3}", p.seconds_per_megapixel),

@@ -94,3 +94,27 @@ fn what_is_far_below_all_others_is_named_and_not_random_beyond_the_axes() {
         "{html}"
     );
 }
+
+#[test]
+fn a_paper_has_the_standard_errors_and_the_times_of_each_method() {
+    let mut rows = vec![];
+    for (noise, lost) in [(Noise::None, 0.0), (Noise::gaussian(0.01), 4.0)] {
+        // 30, 32 and 37 dB: mean 33, standard error √(13/3).
+        for (image, db) in [("a", 30.0), ("b", 32.0), ("c", 37.0)] {
+            let mut row = timed(&Method::of_patches(Family::Omp, 8), image, db - lost, 6.0);
+            row.measured.noise = noise;
+            rows.push(row);
+        }
+    }
+    rows.push(timed(&Method::demosaic(), "a", 29.0, 0.014));
+    let latex = Speed::new(&rows, "a machine".into()).unwrap().to_latex(&Made::by("edof study single-depth"));
+    let expected = "% Needs the package booktabs.\n\\begin{tabular}{lrrrr}\n\\toprule\n\
+         \x20& \\multicolumn{2}{c}{$\\psi = 8$, no noise, real light} & \
+         \\multicolumn{2}{c}{$\\psi = 8$, $\\sigma = 0.01$, real light} \\\\\n\
+         method & dB & s/MP & dB & s/MP \\\\\n\\midrule\n\
+         omp/s8 & $33.00 \\pm 2.08$ & $9.000$ & $29.00 \\pm 2.08$ & $9.000$ \\\\\n\
+         demosaic-malvar & $29.00$ & $0.014$ & -- & -- \\\\\n\
+         \\bottomrule\n\\end{tabular}\n";
+    assert!(latex.ends_with(expected), "{latex}");
+    assert!(latex.contains("% PSNR in dB") && latex.contains("on a machine."), "{latex}");
+}

@@ -6,7 +6,7 @@ use crate::weights::{self, Catalogue};
 use edof_core::camera::Camera;
 use edof_core::overlap::Overlap;
 use edof_core::{Noise, Reconstructor, Tone};
-use edof_network::fit::Fit;
+use edof_network::fit::{Fit, best_fit};
 use edof_network::float::reconstruct::{FloatReconstructor, Output};
 use edof_network::network::{Form, Network, Origin};
 use edof_network::weight_file;
@@ -113,14 +113,16 @@ impl Networks {
         Ok(weights::float(chosen.filter(is_fit).unwrap_or_else(usual))?)
     }
 
-    /// Returns the name of the network that suits a lens and a noise: the page's own one if there is one.
+    /// Returns the name of the network that suits a lens and a noise: the page's own one for the lens if there is one, for other noise only where the program
+    /// has none for the lens.
     pub fn name_for(&self, camera: &Camera, noise: Noise) -> String {
-        let suits = |own: &&Network| {
-            let is_noise = own.origin.fit(Tone::Srgb, noise).is_some_and(Fit::is_inside);
-            is_noise && own.origin.camera.same_lens(camera)
+        let own = self.trained.iter().rev().filter(|own| own.origin.camera.same_lens(camera));
+        let own = own.filter_map(|own| Some((own.origin.name.as_str(), own.origin.fit(Tone::Srgb, noise)?)));
+        let is_first = |(_, fit): &(&str, Fit)| {
+            fit.is_inside() || self.catalogue.trained_on(camera, &[Tone::Srgb]).is_none()
         };
-        let own = self.trained.iter().rev().find(suits);
-        own.map_or_else(|| self.of_program(camera, noise).to_owned(), |own| own.origin.name.clone())
+        let own = best_fit(own).filter(is_first);
+        own.map_or_else(|| self.of_program(camera, noise), |(name, _)| name).to_owned()
     }
 
     /// Of the program's networks; where none was trained for the lens, one for clear or coded lenses, whichever it is.

@@ -30,6 +30,7 @@ use std::sync::Arc;
 Examples:
   edof study single-depth --rows rows.jsonl --report speed.html
   edof study single-depth --rows rows.jsonl --nets paper-t4 --methods omp,blind --markdown speed.md
+  edof study single-depth --rows rows.jsonl --latex speed.tex
 
 Methods:
   malvar, directional         demosaicing alone
@@ -93,6 +94,10 @@ pub struct Args {
     #[command(flatten)]
     externals: Externals,
 
+    /// Also write the tables as one in LaTeX (package booktabs): PSNR with standard errors over photographs, and time
+    #[arg(long, value_name = "FILE")]
+    latex: Option<PathBuf>,
+
     #[command(flatten)]
     outputs: Outputs,
 
@@ -110,6 +115,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = Files::new(ui).reads_all(&args.dictionary);
     let files = nets::read(files, &args.nets).reads_pictures_of(args.photographs.folder.path()?);
     let files = files.writes("--rows", &args.rows.rows).may_write("--plot", args.plot.as_ref());
+    let files = files.may_write("--latex", args.latex.as_ref());
     args.outputs.of(files).check()?;
     // What is quick to reject comes before what takes its time.
     args.rows.check::<edof_study::single_depth::Row>()?;
@@ -120,9 +126,13 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 
     let mut experiment = SingleDepth::new(&plan, &photos);
     let journal = measured(&mut experiment, Some(&args.rows.rows), &args.rows.part, ui)?;
+    let speed = || Speed::new(&journal.rows(), machines(&journal.makers()));
     if let Some(path) = &args.plot {
-        let speed = Speed::new(&journal.rows(), machines(&journal.makers()))?;
-        edof_core::storage::atomic::write(path, speed.diagrams().as_bytes())?;
+        edof_core::storage::atomic::write(path, speed()?.diagrams().as_bytes())?;
+    }
+    if let Some(path) = &args.latex {
+        let made = ui.made(journal.makers(), journal.file());
+        edof_core::storage::atomic::write(path, speed()?.to_latex(&made).as_bytes())?;
     }
     tell::<Speed>(&journal, &args.outputs, ui)
 }

@@ -58,7 +58,7 @@ function figures(answer) {
   const { isForeign, words } = network(answer.lens);
   const text = `This network was not trained for this lens (${words.join(", ")} differ${words.length === 1 ? "s" : ""}). A network of its own would do better: save the camera below, then ${answer.train}`;
   at("warning").textContent = isForeign ? text : "";
-  lesson.offer(isForeign);
+  lesson.offer(answer.lens.network.name, isForeign);
 }
 
 function commands(answer, { scene, stride, seed }) {
@@ -231,8 +231,8 @@ const lesson = training(at("training"), setup.steps, {
     setup.networks = (await server.setup()).networks;
     controlled.build();
   },
-  look({ camera, stops }, network) {
-    controlled.move({ camera, stops, network, layers: null });
+  look({ camera, stops }) {
+    controlled.move({ camera, stops, network: null, layers: null });
     controlled.build();
   },
 });

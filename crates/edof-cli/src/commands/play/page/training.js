@@ -9,7 +9,8 @@ const PARTS = { photographs: "reading photographs", blur: "blurring photographs"
 const duration = (seconds) => (seconds < 90 ? `${Math.round(seconds)} s` : `${Math.round(seconds / 60)} min`);
 
 /**
- * Fills `place`. `current()` is the state of the page; `ready()` has it read the list of networks again, and `look(state, network)` looks through it.
+ * Fills `place`. `current()` is the state of the page; `ready()` has it read the list of networks again, and `look(state)` shows the lens of a state with the network
+ * that is the one for it.
  */
 export function training(place, steps, { current, ready, look }) {
   const text = Object.assign(document.createElement("p"), { id: "training-text" });
@@ -19,7 +20,9 @@ export function training(place, steps, { current, ready, look }) {
   const left = Object.assign(document.createElement("span"), { id: "training-left", className: "small" });
   // One button, so that the keyboard stays on it.
   const button = Object.assign(document.createElement("button"), { id: "train", type: "button" });
-  let offered = false, running = false, began = null, failure = "", success = "", made = null;
+  let offered = false, looked = "", running = false, began = null, failure = "", made = null;
+  // What is said of each network that was trained.
+  const words = new Map();
   const lensOf = ({ camera, stops }) => JSON.stringify([camera, stops]);
 
   function say(line) {
@@ -44,8 +47,8 @@ export function training(place, steps, { current, ready, look }) {
       button.textContent = "Train a network for this lens";
       fill(text, button);
     } else {
-      say(success);
-      fill(...(success ? [text] : []));
+      say(words.get(looked) ?? "");
+      fill(text);
     }
   }
   async function follow() {
@@ -61,27 +64,28 @@ export function training(place, steps, { current, ready, look }) {
     }
     failure = { cancelled: "The training was cancelled. ", failed: `The training failed: ${status.error}. ` }[status.is] ?? "";
     if (status.is === "done") {
-      success = `${status.network}: ${status.validation_db.toFixed(2)} dB on validation windows, in ${duration(status.seconds)}. The same by: ${status.command}`;
+      const { network } = status;
+      words.set(network, `${network} is the network for this lens now: ${status.validation_db.toFixed(2)} dB on validation windows, after ${duration(status.seconds)}. The same by: ${status.command}`);
       await ready();
       if (began && lensOf(began) === lensOf(current())) {
-        offered = false;
-        look(current(), status.network);
-      } else if (began) made = { state: began, network: status.network };
+        [offered, looked] = [false, network];
+        look(current());
+      } else if (began) made = { state: began, network };
     }
     show();
   }
   button.addEventListener("click", async () => {
     if (running) return server.cancel().catch(() => {});
     if (made) {
-      const { state, network } = made;
+      const { state } = made;
       made = null;
-      look(state, network);
+      look(state);
       return show();
     }
     began = structuredClone(current());
     try {
       await server.train(began);
-      [failure, success] = ["", ""];
+      failure = "";
       running = true;
       follow();
     } catch (error) {
@@ -89,16 +93,16 @@ export function training(place, steps, { current, ready, look }) {
       show();
     }
   });
+  show();
   // A page that was loaded again follows the training that runs.
   server.training().then(({ is }) => is === "running" && follow());
   return {
-    /** Whether the network that is looked through was trained for another lens; one that was trained for this lens meanwhile is taken. */
-    offer(isForeign) {
-      offered = isForeign;
+    /** The network that is looked through, and whether it was trained for another lens; one that was trained for this lens meanwhile is taken. */
+    offer(network, isForeign) {
+      [looked, offered] = [network, isForeign];
       if (made && lensOf(made.state) === lensOf(current())) {
-        const { network } = made;
         made = null;
-        if (isForeign) return look(current(), network);
+        if (isForeign) return look(current());
       }
       if (!running) show();
     },

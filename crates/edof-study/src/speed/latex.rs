@@ -1,0 +1,40 @@
+//! Speed against error as a table for a paper.
+
+use super::{Claims, Point, Speed};
+use crate::latex::{DASH, cell, escaped, noise_in_latex, tabular};
+use crate::made::Made;
+use edof_core::Tone;
+
+impl Speed {
+    /// Returns a table for the package booktabs: for each method, depth and noise the PSNR in dB as mean ± standard error over photographs, and CPU
+    /// seconds per megapixel.
+    #[must_use]
+    pub fn to_latex(&self, made: &Made) -> String {
+        let mut methods: Vec<&str> = vec![];
+        for Point { method, .. } in &self.points {
+            if !methods.contains(&method.as_str()) {
+                methods.push(method);
+            }
+        }
+        let rows = methods.into_iter().map(|method| {
+            let of = |group: &Claims| {
+                let found = self.points.iter().find(|point| point.method == method && group.hold(point));
+                found.map_or_else(
+                    || [DASH, DASH].map(str::to_owned),
+                    |point| [cell((point.psnr_db, point.standard_error())), format!("${:.3}$", point.cost())],
+                )
+            };
+            std::iter::once(escaped(method)).chain(self.claims.iter().flat_map(of)).collect()
+        });
+        let groups = self.claims.iter().map(|Claims { psi, noise, tone, .. }| {
+            let tone = if *tone == Tone::Srgb { ", real light" } else { "" };
+            format!("$\\psi = {psi}$, {}{tone}", noise_in_latex(*noise))
+        });
+        let remarks = format!(
+            "{made}\nPSNR in dB, mean and standard error over photographs. s/MP: {}; on {}.",
+            self.cost_in_words(),
+            self.machine
+        );
+        tabular(&remarks, &["method"], groups, &["dB", "s/MP"].map(str::to_owned), rows)
+    }
+}
