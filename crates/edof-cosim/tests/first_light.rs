@@ -204,6 +204,7 @@ fn pictures_of_the_boards_own_size_are_whole_though_the_memory_refreshes_twice_a
     let shown = at_full_size("axi_sdram.v", interval, "REFRESH_INTERVAL = 12'd194").unwrap();
     // The camera sends 31 frames a second, of which the calculator takes as many as the memory lets it.
     let rate = shown.pictures_per_second.unwrap();
+    println!("{rate:.1} pictures per second");
     assert!((20.0..32.0).contains(&rate), "{rate} pictures per second");
 }
 

@@ -5,8 +5,8 @@ use edof_hdl::project::Project;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The same project with the files of `folder`: its top module's, those of the modules that it stands on, and models of the part's cells where the folder has them for its own benches. Memory images stay. The folder
-/// may also be the one that `edof generate` wrote, whose Verilog is in `rtl`.
+/// Returns the same project with the files of `folder`: its top module's, those of the modules that it stands on, and the models of the part's cells that its
+/// own benches take. Memory images stay. The folder may also be the one that `edof generate` wrote, whose Verilog is in `rtl`.
 ///
 /// # Errors
 /// The folder has no file of the top module, that module has not the ports of the project's, or a file cannot be read.
@@ -58,7 +58,7 @@ fn verilog_folder(top: &str, folder: &Path) -> Result<PathBuf, Error> {
     })
 }
 
-/// The files `sim/*_cells.v` beside the Verilog.
+/// Reads the files `sim/*_cells.v` beside the Verilog, with their names, sorted.
 fn models_of_cells(folder: &Path) -> Result<Vec<(String, String)>, Error> {
     let Ok(files) = folder.join("../sim").read_dir() else { return Ok(vec![]) };
     let mut models = vec![];
@@ -75,4 +75,23 @@ fn models_of_cells(folder: &Path) -> Result<Vec<(String, String)>, Error> {
 fn is_module(folder: &Path, word: &str) -> bool {
     let is_name = word.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_');
     is_name && folder.join(format!("{word}.v")).is_file()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn models_of_cells_are_those_beside_the_verilog() {
+        let folder = tempfile::tempdir().unwrap();
+        let rtl = folder.path().join("rtl");
+        fs::create_dir(&rtl).unwrap();
+        assert_eq!(models_of_cells(&rtl).unwrap(), []);
+        fs::create_dir(folder.path().join("sim")).unwrap();
+        for name in ["carry_cells.v", "bench.sv", "other.v", "block_cells.v"] {
+            fs::write(folder.path().join("sim").join(name), name).unwrap();
+        }
+        let names = ["block_cells.v", "carry_cells.v"];
+        assert_eq!(models_of_cells(&rtl).unwrap(), names.map(|name| (name.to_owned(), name.to_owned())));
+    }
 }

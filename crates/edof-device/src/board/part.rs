@@ -248,3 +248,15 @@ impl Serialize for Cells {
         map.end()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::board::{KC705, ULX3S};
+
+    #[test]
+    fn a_deep_memory_has_no_rows_for_nobody_where_blocks_may_lie_under_each_other() {
+        let rows = [1, 600, 1024, 1025, 5120, 5121];
+        assert_eq!(rows.map(|rows| ULX3S.part.memory.rows(rows)), [1, 1024, 1024, 2048, 5120, 6144]);
+        assert_eq!(rows.map(|rows| KC705.part.memory.rows(rows)), [1, 1024, 1024, 2048, 8192, 8192]);
+    }
+}

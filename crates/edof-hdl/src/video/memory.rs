@@ -4,7 +4,6 @@ use super::Place;
 use crate::describe::Circuit;
 use crate::leaves::leaf;
 use edof_device::board::BlockMemory;
-use edof_device::design::memory::image_name;
 use rust_hdl::prelude::*;
 
 /// Block RAM with one write port and one read port. A read takes two cycles and gives what lay there before a write in the cycle of its address.
@@ -22,7 +21,6 @@ pub struct Memory<const W: usize> {
     pub write_address: Signal<In, Place>,
     /// Word to write.
     pub write_data: Signal<In, Bits<W>>,
-    _image: Option<String>,
     _words: Vec<Bits<W>>,
     _read: Bits<W>,
 }
@@ -34,23 +32,9 @@ impl<const W: usize> Memory<W> {
     /// More rows than addresses.
     #[must_use]
     pub fn open(blocks: &BlockMemory, rows: usize) -> Self {
-        Self::with(blocks.rows(rows), None, &[])
-    }
-
-    /// A memory that starts with `contents`, read from `image` (`$readmemh`) in Verilog.
-    #[must_use]
-    pub fn loaded(image: &str, contents: &[u64]) -> Self {
-        Self::with(contents.len(), Some(image.into()), contents)
-    }
-
-    fn with(depth: usize, image: Option<String>, contents: &[u64]) -> Self {
+        let depth = blocks.rows(rows);
         assert!(depth <= 1 << 16, "{depth} rows: an address has 16 bits");
-        let word = |row: usize| contents.get(row).copied().unwrap_or(0).into();
-        Self::from_parts(MemoryParts {
-            _image: image,
-            _words: (0..depth).map(word).collect(),
-            _read: Bits::default(),
-        })
+        Self::from_parts(MemoryParts { _words: vec![0.into(); depth], _read: Bits::default() })
     }
 }
 
@@ -75,7 +59,7 @@ impl<const W: usize> Logic for Memory<W> {
         leaf("edof_memory")
             .parameter("WIDTH", W)
             .parameter("DEPTH", self._words.len())
-            .text("INIT", image_name(self._image.as_deref().unwrap_or_default()))
+            .text("INIT", "")
             .port("clock_i", "clock")
             .port("read_address_i", "read_address")
             .port("read_data_o", "read_data")
