@@ -111,8 +111,8 @@ module PDPW16KD (
     wire unused = &{1'b0, ADR4, ADR3, ADR2, ADR1, ADR0};
 endmodule
 
-// Port A writes, and port B reads, 1,024 words of 18 bits or 512 of 36: the lower half of these by DIA and DOA, the upper by DIB and DOB. Or port A reads, and port B writes
-// and reads, 16,384 bits, both with their output registers. A row that is written in the cycle in which the other port reads it is not to be relied on: every bit of it is wrong.
+// Port A writes, and port B reads, 1,024 words of 18 bits or 512 of 36: the lower half of these by DIA and DOA, the upper by DIB and DOB. Words of up to 9
+// bits either port reads and writes. A row that is written in the cycle in which the other port reads it is not to be relied on: every bit of it is wrong.
 module DP16KD (
     input DIA0, input DIA1, input DIA2, input DIA3, input DIA4, input DIA5, input DIA6, input DIA7, input DIA8, input DIA9, input DIA10, input DIA11,
     input DIA12, input DIA13, input DIA14, input DIA15, input DIA16, input DIA17, input ADA0, input ADA1, input ADA2, input ADA3, input ADA4, input
@@ -163,9 +163,9 @@ module DP16KD (
     wire is_same = IS_WIDE ? write_row[9:1] == read_row[9:1] : write_row == read_row;
     wire [17:0] wrong = {18{is_written && is_same}};
     reg [17:0] low_q, high_q;
-    assign {DOA17, DOA16, DOA15, DOA14, DOA13, DOA12, DOA11, DOA10, DOA9, DOA8, DOA7, DOA6, DOA5, DOA4, DOA3, DOA2, DOA1, DOA0} = IS_BIT ? {17'd0, bit_a_q2} : IS_WIDE ? low_q : 18'd0;
-    assign {DOB17, DOB16, DOB15, DOB14, DOB13, DOB12, DOB11, DOB10, DOB9, DOB8, DOB7, DOB6, DOB5, DOB4, DOB3, DOB2, DOB1, DOB0} = IS_BIT ? {17'd0, bit_b_q2} : IS_WIDE ? high_q : low_q;
-    always @(posedge CLKA) if (!IS_BIT && CEA && WEA) begin
+    assign {DOA17, DOA16, DOA15, DOA14, DOA13, DOA12, DOA11, DOA10, DOA9, DOA8, DOA7, DOA6, DOA5, DOA4, DOA3, DOA2, DOA1, DOA0} = IS_NARROW ? narrow_a : IS_WIDE ? low_q : 18'd0;
+    assign {DOB17, DOB16, DOB15, DOB14, DOB13, DOB12, DOB11, DOB10, DOB9, DOB8, DOB7, DOB6, DOB5, DOB4, DOB3, DOB2, DOB1, DOB0} = IS_NARROW ? narrow_b : IS_WIDE ? high_q : low_q;
+    always @(posedge CLKA) if (!IS_NARROW && CEA && WEA) begin
         if (bytes[0]) words[IS_WIDE ? {write_row[9:1], 1'b0} : write_row][8:0] <= low[8:0];
         if (bytes[1]) words[IS_WIDE ? {write_row[9:1], 1'b0} : write_row][17:9] <= low[17:9];
         if (IS_WIDE && bytes[2]) words[{write_row[9:1], 1'b1}][8:0] <= high[8:0];
@@ -176,24 +176,30 @@ module DP16KD (
         high_q <= wrong ^ words[{read_row[9:1], 1'b1}];
     end
 
-    // Bits: of 18 each ninth is left out.
-    localparam IS_BIT = DATA_WIDTH_A == 1;
-    wire [13:0] bit_a = {write_row, bytes}, bit_b = {read_row, ADB3, ADB2, ADB1, ADB0};
-    wire [4:0] column_a = 9 * {4'd0, bit_a[3]} + {2'd0, bit_a[2:0]}, column_b = 9 * {4'd0, bit_b[3]} + {2'd0, bit_b[2:0]};
-    reg bit_a_q, bit_a_q2, bit_b_q, bit_b_q2;
-    always @(posedge CLKA) if (IS_BIT) begin
-        bit_a_q <= words[bit_a[13:4]][column_a] ^ (WEB && bit_a == bit_b);
-        bit_a_q2 <= bit_a_q;
+    // Words of up to 9 bits at either port: of each 18 bits two words of 9, or as many of 4, 2 or 1 in 16 of them, each ninth being left out.
+    localparam IS_NARROW = DATA_WIDTH_A <= 9;
+    localparam WIDTH = IS_NARROW ? DATA_WIDTH_A : 9;
+    wire [13:0] place_a = {write_row, bytes}, place_b = {read_row, ADB3, ADB2, ADB1, ADB0};
+    wire [4:0] column_a = 9 * {4'd0, place_a[3]} + {2'd0, place_a[2:0]}, column_b = 9 * {4'd0, place_b[3]} + {2'd0, place_b[2:0]};
+    wire writes_a = CEA && WEA, writes_b = CEB && WEB, is_one_place = place_a == place_b;
+    reg [WIDTH-1:0] narrow_a_q, narrow_a_q2, narrow_b_q, narrow_b_q2;
+    always @(posedge CLKA) if (IS_NARROW) begin
+        if (CEA && (!WEA || WRITEMODE_A == "READBEFOREWRITE"))
+            narrow_a_q <= words[place_a[13:4]][column_a +: WIDTH] ^ {WIDTH{writes_b && is_one_place}};
+        narrow_a_q2 <= narrow_a_q;
+        if (writes_a) words[place_a[13:4]][column_a +: WIDTH] <= low[WIDTH-1:0];
     end
-    always @(posedge CLKB) if (IS_BIT) begin
-        bit_b_q <= words[bit_b[13:4]][column_b];
-        bit_b_q2 <= bit_b_q;
-        if (WEB) words[bit_b[13:4]][column_b] <= DIB0;
+    always @(posedge CLKB) if (IS_NARROW) begin
+        if (CEB && (!WEB || WRITEMODE_B == "READBEFOREWRITE"))
+            narrow_b_q <= words[place_b[13:4]][column_b +: WIDTH] ^ {WIDTH{writes_a && is_one_place}};
+        narrow_b_q2 <= narrow_b_q;
+        if (writes_b) words[place_b[13:4]][column_b +: WIDTH] <= high[WIDTH-1:0];
     end
+    wire [17:0] narrow_a = (REGMODE_A == "OUTREG") ? narrow_a_q2 : narrow_a_q, narrow_b = (REGMODE_B == "OUTREG") ? narrow_b_q2 : narrow_b_q;
 
-    wire is_memory_of_bits = DATA_WIDTH_B == 1 && REGMODE_A == "OUTREG" && REGMODE_B == "OUTREG" && WRITEMODE_B == "READBEFOREWRITE" && CLKAMUX == "CLKA"
-        && CLKBMUX == "CLKB" && {CSA2, CSA1, CSA0, CSB2, CSB1, CSB0, RSTA, RSTB, WEA} == 9'd0 && {CEA, CEB, OCEA, OCEB} == 4'b1111;
-    wire is_modelled = IS_BIT ? is_memory_of_bits : DATA_WIDTH_A == DATA_WIDTH_B && (DATA_WIDTH_A == 18 || DATA_WIDTH_A == 36) && REGMODE_B == "NOREG" && CLKAMUX == "CLKA"
+    wire is_modelled_narrow = DATA_WIDTH_B == DATA_WIDTH_A && CLKAMUX == "CLKA" && CLKBMUX == "CLKB" && {CSA2, CSA1, CSA0, CSB2, CSB1, CSB0, RSTA, RSTB} == 8'd0
+        && {OCEA, OCEB} == 2'b11 && !(writes_a && writes_b);
+    wire is_modelled = IS_NARROW ? is_modelled_narrow : DATA_WIDTH_A == DATA_WIDTH_B && (DATA_WIDTH_A == 18 || DATA_WIDTH_A == 36) && REGMODE_B == "NOREG" && CLKAMUX == "CLKA"
         && CLKBMUX == "CLKB" && {CSA2, CSA1, CSA0, CSB2, CSB1, CSB0, RSTA, RSTB, WEB, ADB3, ADB2, ADB1, ADB0} == 13'd0 && OCEB;
     always @(posedge CLKA) if (!is_modelled) $fatal(1, "%m: no model of this use");
     wire unused = &{1'b0, OCEA};

@@ -9,7 +9,7 @@ use edof_board::Board;
 use edof_board::check::Boundary;
 use edof_board::link::PATIENCE;
 use edof_core::cable::carried;
-use edof_core::{DisplayMode, RawFrame};
+use edof_core::{DisplayMode, RawFrame, words};
 use edof_cosim::chain::folder::with_verilog_of;
 use edof_cosim::system::{self, Compiled, Rig, RigConfig, Speed, Torn, VerilogBoard, recorded, second};
 use edof_cosim::verilator::Options;
@@ -308,11 +308,12 @@ fn check_room(raw: &RawFrame, frame: FrameSize, count: usize) -> Result<(), Erro
     let (height, width) = raw.size();
     let reach = SHIFT * (count - 1);
     let needed = (frame.width + reach, frame.height + reach);
+    let frames = words::count(count, "frame");
     if width >= needed.0 && height >= needed.1 {
         return Ok(());
     }
     Err(Error::message(format!(
-        "{width}x{height}, must be at least {}x{} for {count} frames of {}x{}; give a larger --photo, or --size, or fewer --frames",
+        "{width}x{height}, must be at least {}x{} for {frames} of {}x{}; give a larger --photo, or --size, or fewer --frames",
         needed.0, needed.1, frame.width, frame.height
     )))
 }
