@@ -2,7 +2,7 @@
 //
 // The phase of the clocks may be any and may wander: a word is taken two to three cycles after it came, when it has stood for one at least and
 // will stand for one more. Cycles are counted in fives. Where the count is more than one off what a change says (edof_sync: a change is
-// seen a cycle late at random), as at the start, it begins anew, and one word is cut.
+// seen a cycle late at random), as at the start, it waits for a cycle or leaves one out, so that three neighbouring moments of a change end in the middle; one word is cut.
 `default_nettype none
 module edof_serialiser #(
     parameter LANES = 1
@@ -25,13 +25,17 @@ module edof_serialiser #(
     reg toggle_before_q;
     reg [2:0] count_q = 3'd0;
     wire is_off = toggle_seen != toggle_before_q && (count_q == 3'd2 || count_q == 3'd3);
+    // The count is 0.
+    reg is_first_q = 1'b1;
     reg [10*LANES-1:0] bits_q;
     integer lane;
     always @(posedge bit_clock_i) begin
         toggle_before_q <= toggle_seen;
-        count_q <= is_off ? 3'd1 : count_q >= 3'd4 ? 3'd0 : count_q + 3'd1;
+        if (is_off) count_q <= count_q == 3'd2 ? 3'd2 : 3'd0;
+        else count_q <= count_q >= 3'd4 ? 3'd0 : count_q + 3'd1;
+        is_first_q <= is_off ? count_q == 3'd3 : count_q >= 3'd4;
         for (lane = 0; lane < LANES; lane = lane + 1)
-            bits_q[10*lane +: 10] <= count_q == 3'd0 ? word_q[10*lane +: 10] : {2'b00, bits_q[10*lane+2 +: 8]};
+            bits_q[10*lane +: 10] <= is_first_q ? word_q[10*lane +: 10] : {2'b00, bits_q[10*lane+2 +: 8]};
     end
 
     genvar i;

@@ -44,7 +44,7 @@ for seed in "$@"; do
 done
 [ "${#missed[@]}" = 0 ] || fail "clocks are missed with the seeds ${missed[*]}"
 head -c 200 "$folder/build/edof.bit" | grep -a 'Part: LFE5U-85F' >/dev/null || fail "the bitstream is for another part"
-grep -q '^MULT18X18D: 55 of 156$' "$folder/build/report.txt" || fail "the report has other multipliers"
+grep -q '^MULT18X18D: 83 of 156$' "$folder/build/report.txt" || fail "the report has other multipliers"
 
 # A report that must not pass.
 wrong() {

@@ -39,7 +39,7 @@ pub struct Block {
 /// Stands for the calculator's clock of any design.
 const CALCULATOR: Domain = Domain::Calculator(0);
 
-const BLOCKS: [(&str, Domain); 36] = [
+const BLOCKS: [(&str, Domain); 38] = [
     ("video_in", Domain::Pixel),
     ("carrier", Domain::Pixel),
     ("grey_join", Domain::Pixel),
@@ -49,6 +49,7 @@ const BLOCKS: [(&str, Domain); 36] = [
     ("calculator_watch", CALCULATOR),
     ("raw_writer", Domain::Core),
     ("raw_reader", Domain::Core),
+    ("raw_cut", Domain::Core),
     ("raw_fifo", CALCULATOR),
     ("choices", CALCULATOR),
     ("access", CALCULATOR),
@@ -61,6 +62,7 @@ const BLOCKS: [(&str, Domain); 36] = [
     ("picture_fifo", CALCULATOR),
     ("picture_writer", Domain::Core),
     ("picture_reader", Domain::Core),
+    ("output_cut", Domain::Core),
     ("memory", Domain::Core),
     ("registers", Domain::Core),
     ("output_fifo", Domain::Core),

@@ -16,7 +16,7 @@ use super::write_agent::WriteAgent;
 use crate::blocks::frame_check::FrameCheck;
 use crate::crossing::{BusSync, PixelFifo, ResetSync, Sync};
 use crate::describe::{Circuit, kernel};
-use crate::ports::{AxiLiteSlave, AxiReadMaster, AxiWriteMaster, StreamOut};
+use crate::ports::{AxiLiteSlave, AxiReadMaster, AxiWriteMaster, StreamCut, StreamOut};
 use crate::video::grey_join::GreyJoin;
 use crate::video::stream_core::StreamCore;
 use crate::video::video_in::VideoIn;
@@ -38,7 +38,17 @@ use rust_hdl::prelude::*;
 /// host one of AXI4-Lite (`edof_device::registers`), both in the memory's clock. Nothing here knows of a vendor or a board.
 #[derive(Circuit)]
 #[circuit(
-    default(ResetSync, BusSync, Sync, AxiPair, PowerOn, CalculatorPort, PictureWindow, CycleCount),
+    default(
+        ResetSync,
+        BusSync,
+        Sync,
+        AxiPair,
+        StreamCut,
+        PowerOn,
+        CalculatorPort,
+        PictureWindow,
+        CycleCount
+    ),
     role(_role),
     registers(clock)
 )]
@@ -126,6 +136,7 @@ pub struct EdofCore<const W: usize, const S: usize> {
     window: PictureWindow,
     raw_writer: WriteAgent<W, S>,
     raw_reader: ReadAgent<W>,
+    raw_cut: StreamCut<16>,
     raw_fifo: PixelFifo,
     choices: Sync<2>,
     access: CalculatorPort,
@@ -134,6 +145,7 @@ pub struct EdofCore<const W: usize, const S: usize> {
     picture_fifo: PixelFifo,
     picture_writer: WriteAgent<W, S>,
     picture_reader: ReadAgent<W>,
+    output_cut: StreamCut<16>,
     output_fifo: PixelFifo,
     video_out: VideoOut,
     screen_status: BusSync<96>,
@@ -290,6 +302,9 @@ impl<const W: usize, const S: usize> Logic for EdofCore<W, S> {
         self.raw_writer.reset.next = self.agents_reset.val();
         self.raw_reader.clock.next = self.clock.val();
         self.raw_reader.reset.next = self.agents_reset.val();
+        self.raw_cut.clock.next = self.clock.val();
+        self.raw_cut.reset.next = self.agents_reset.val();
+        StreamOut::<16>::join(&mut self.raw_reader.pixels, &mut self.raw_cut.from);
         self.core.clock.next = self.calculator_clock.val();
         self.core.reset.next = self.resets[3].domain_reset.val();
         self.calculator_power_on.clock.next = self.calculator_clock.val();
@@ -306,6 +321,9 @@ impl<const W: usize, const S: usize> Logic for EdofCore<W, S> {
         self.picture_writer.reset.next = self.agents_reset.val();
         self.picture_reader.clock.next = self.clock.val();
         self.picture_reader.reset.next = self.agents_reset.val();
+        self.output_cut.clock.next = self.clock.val();
+        self.output_cut.reset.next = self.agents_reset.val();
+        StreamOut::<16>::join(&mut self.picture_reader.pixels, &mut self.output_cut.from);
         self.memory.clock.next = self.clock.val();
         self.memory.reset.next = self.agents_reset.val();
         self.memory.memory_reset.next = !self.dram_ready.val() || self.power_on.first.val();
@@ -377,22 +395,20 @@ impl<const W: usize, const S: usize> Logic for EdofCore<W, S> {
         self.raw_reader.newest.next = self.raw_writer.newest.val();
         self.run.next = self.registers.control.val().get_bit(0);
         // After a flush what is left of the frame is thrown away.
-        self.skip.next = self.flush.val() || (self.realign.q.val() && !self.raw_reader.pixels.user.val());
+        self.skip.next = self.flush.val() || (self.realign.q.val() && !self.raw_cut.to.user.val());
         if self.flush.val() {
             self.realign.d.next = true;
-        } else if self.raw_reader.pixels.valid.val() && self.raw_reader.pixels.user.val() {
+        } else if self.raw_cut.to.valid.val() && self.raw_cut.to.user.val() {
             self.realign.d.next = false;
         }
         if self.resets[1].domain_reset.val() {
             self.realign.d.next = false;
         }
-        self.raw_fifo.from.valid.next =
-            self.raw_reader.pixels.valid.val() && self.run.val() && !self.skip.val();
-        self.raw_fifo.from.data.next = self.raw_reader.pixels.data.val();
+        self.raw_fifo.from.valid.next = self.raw_cut.to.valid.val() && self.run.val() && !self.skip.val();
+        self.raw_fifo.from.data.next = self.raw_cut.to.data.val();
         self.raw_fifo.from.user.next = false;
         self.raw_fifo.from.last.next = false;
-        self.raw_reader.pixels.ready.next =
-            self.skip.val() || (self.raw_fifo.from.ready.val() && self.run.val());
+        self.raw_cut.to.ready.next = self.skip.val() || (self.raw_fifo.from.ready.val() && self.run.val());
         self.core.flush.next = self.calculator_flush.domain_reset.val();
         self.core.pixels_valid.next = self.raw_fifo.to.valid.val();
         self.core.pixels_data.next = self.raw_fifo.to.data.val();
@@ -414,11 +430,11 @@ impl<const W: usize, const S: usize> Logic for EdofCore<W, S> {
         self.picture_writer.reading.next = self.picture_reader.reading.val();
         self.picture_reader.repeats.next = true;
         self.picture_reader.newest.next = self.picture_writer.newest.val();
-        self.output_fifo.from.valid.next = self.picture_reader.pixels.valid.val();
-        self.output_fifo.from.data.next = self.picture_reader.pixels.data.val();
-        self.output_fifo.from.user.next = self.picture_reader.pixels.user.val();
-        self.output_fifo.from.last.next = self.picture_reader.pixels.last.val();
-        self.picture_reader.pixels.ready.next = self.output_fifo.from.ready.val();
+        self.output_fifo.from.valid.next = self.output_cut.to.valid.val();
+        self.output_fifo.from.data.next = self.output_cut.to.data.val();
+        self.output_fifo.from.user.next = self.output_cut.to.user.val();
+        self.output_fifo.from.last.next = self.output_cut.to.last.val();
+        self.output_cut.to.ready.next = self.output_fifo.from.ready.val();
         self.video_out.pixels_valid.next = self.output_fifo.to.valid.val();
         self.video_out.pixels_data.next = self.output_fifo.to.data.val();
         self.video_out.pixels_user.next = self.output_fifo.to.user.val();
@@ -443,9 +459,9 @@ impl<const W: usize, const S: usize> Logic for EdofCore<W, S> {
         self.window.last.next = self.picture_fifo.to.last.val();
         if self.registers.window_corner.val().get_bit(31) {
             self.window.valid.next = self.raw_fifo.from.valid.val() && self.raw_fifo.from.ready.val();
-            self.window.data.next = self.raw_reader.pixels.data.val();
-            self.window.user.next = self.raw_reader.pixels.user.val();
-            self.window.last.next = self.raw_reader.pixels.last.val();
+            self.window.data.next = self.raw_cut.to.data.val();
+            self.window.user.next = self.raw_cut.to.user.val();
+            self.window.last.next = self.raw_cut.to.last.val();
         }
         self.window.corner.next = self.registers.window_corner.val();
         self.window.read_address.next = self.registers.tile_address.val();
@@ -459,13 +475,12 @@ impl<const W: usize, const S: usize> Logic for EdofCore<W, S> {
         }
         self.checks[2].reset.next = self.agents_reset.val();
         self.checks[0].valid.next = self.raw_fifo.from.valid.val() && self.raw_fifo.from.ready.val();
-        self.checks[0].data.next = bit_cast::<32, 16>(self.raw_reader.pixels.data.val());
+        self.checks[0].data.next = bit_cast::<32, 16>(self.raw_cut.to.data.val());
         self.checks[1].valid.next =
             self.picture_fifo.to.valid.val() && self.picture_writer.pixels.ready.val();
         self.checks[1].data.next = bit_cast::<32, 16>(self.picture_fifo.to.data.val());
-        self.checks[2].valid.next =
-            self.picture_reader.pixels.valid.val() && self.output_fifo.from.ready.val();
-        self.checks[2].data.next = bit_cast::<32, 16>(self.picture_reader.pixels.data.val());
+        self.checks[2].valid.next = self.output_cut.to.valid.val() && self.output_fifo.from.ready.val();
+        self.checks[2].data.next = bit_cast::<32, 16>(self.output_cut.to.data.val());
         self.snapshot.d.next = self.registers.weight_valid.val()
             && self.access.ready.val()
             && (self.registers.weight_address.val().get_bits::<6>(19) == self.snapshot_register.val());

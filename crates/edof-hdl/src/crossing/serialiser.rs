@@ -46,7 +46,11 @@ impl<const W: usize, const L: usize> Logic for Serialiser<W, L> {
             let is_off = self._seen[1] != self._seen[2] && matches!(self._count, 2 | 3);
             let top_two = (0..L as u32).fold(0, |mask, lane| mask | 3u64 << (BITS * lane + BITS - 2));
             self._bits = if self._count == 0 { word } else { (self._bits >> 2) & !top_two };
-            self._count = if is_off { 1 } else { (self._count + 1) % 5 };
+            self._count = match self._count {
+                2 if is_off => 2,
+                3 if is_off => 0,
+                count => (count + 1) % 5,
+            };
             self._seen = [toggle, self._seen[0], self._seen[1]];
         }
         let each = |bit: u32| {
