@@ -273,12 +273,13 @@ impl Args {
     /// Opens the frames. Rejects what begins as a file of a format with headers does.
     fn input(&self) -> Result<Box<dyn Read + Send>, Error> {
         let failed = |error| Error::message(format!("{}: cannot read: {error}", self.raw_in_words()));
-        let mut input: Box<dyn Read + Send> = match is_standard(&self.raw) {
-            true => Box::new(io::stdin()),
-            false => Box::new(File::open(&self.raw).map_err(failed)?),
+        let input = match is_standard(&self.raw) {
+            true => standard(io::stdin()).map_err(failed)?,
+            false => File::open(&self.raw).map_err(failed)?,
         };
+        widen(&input);
         let mut head = vec![];
-        input.by_ref().take(HEAD).read_to_end(&mut head).map_err(failed)?;
+        (&input).take(HEAD).read_to_end(&mut head).map_err(failed)?;
         match raw::of_content(&head) {
             Some(format) => Err(Error::message(format!(
                 "{}: is {}, expected frames without headers, one after the other; 'edof reconstruct' reads {}",
@@ -292,11 +293,12 @@ impl Args {
 
     fn output(&self) -> Result<Box<dyn Write + Send>, Error> {
         let failed = |error| Error::message(format!("{}: cannot write: {error}", self.out_in_words()));
-        if is_standard(&self.out) {
-            standard_output().map_err(failed)
-        } else {
-            Ok(Box::new(File::create(&self.out).map_err(failed)?))
-        }
+        let output = match is_standard(&self.out) {
+            true => standard(io::stdout()).map_err(failed)?,
+            false => File::create(&self.out).map_err(failed)?,
+        };
+        widen(&output);
+        Ok(Box::new(output))
     }
 
     fn raw_in_words(&self) -> String {
@@ -330,14 +332,26 @@ impl Args {
     }
 }
 
-/// Standard output past the line buffer of the standard library.
+/// Returns standard input or output past the buffer of the standard library.
 #[cfg(unix)]
-fn standard_output() -> io::Result<Box<dyn Write + Send>> {
-    use std::os::fd::AsFd;
-    Ok(Box::new(File::from(io::stdout().as_fd().try_clone_to_owned()?)))
+fn standard(stream: impl std::os::fd::AsFd) -> io::Result<File> {
+    Ok(File::from(stream.as_fd().try_clone_to_owned()?))
 }
 
+/// Returns standard input or output past the buffer of the standard library.
 #[cfg(not(unix))]
-fn standard_output() -> io::Result<Box<dyn Write + Send>> {
-    Ok(Box::new(io::stdout()))
+fn standard(stream: impl std::os::windows::io::AsHandle) -> io::Result<File> {
+    Ok(File::from(stream.as_handle().try_clone_to_owned()?))
+}
+
+/// Bytes that a pipe is asked to hold: as many as Linux gives to anybody, so that programs wait for each other a few times a frame.
+#[cfg(target_os = "linux")]
+const PIPE: usize = 1 << 20;
+
+/// Makes room in a pipe. What is none, or has its room from elsewhere, stays as it is.
+fn widen(file: &File) {
+    #[cfg(target_os = "linux")]
+    let _ = rustix::pipe::fcntl_setpipe_size(file, PIPE);
+    #[cfg(not(target_os = "linux"))]
+    let _ = file;
 }

@@ -15,8 +15,8 @@ pub const TILE: usize = 16;
 /// Columns of a tile: a byte each.
 const STEP: usize = 64;
 
-/// Words of a vector: 2^31 divided by the largest product of bytes.
-const MAX_COLUMNS: usize = (1 << 31) / (255 * 255);
+/// Words of a vector: 2^31 divided by the largest sum of a word's mixed products of bytes.
+const MAX_COLUMNS: usize = (1 << 31) / (2 * 255 * 128);
 
 /// 64 bytes: a row of a tile, in a line of the cache.
 #[derive(Debug, Clone, Copy)]
@@ -37,7 +37,7 @@ pub struct Tiled {
 }
 
 impl Tiled {
-    /// Packs rows × columns weights, of at most 33,025 columns.
+    /// Packs rows × columns weights, of at most 32,896 columns.
     #[must_use]
     pub fn new(weights: &Array2<i16>) -> Self {
         let (rows, steps) = (padded(weights.nrows()), weights.ncols().div_ceil(STEP));
@@ -80,8 +80,8 @@ for_each_isa! {
     }
 }
 
-/// Sums of products of high bytes, of both kinds of mixed ones, and of low ones: for each of 16 vectors those of 16 rows of a matrix.
-type Products = [[[i32; TILE]; TILE]; 4];
+/// Sums of products of high bytes, of mixed ones, and of low ones: for each of 16 vectors those of 16 rows of a matrix.
+type Products = [[[i32; TILE]; TILE]; 3];
 
 /// Vectors that begin some words after each other.
 #[derive(Debug, Clone, Copy)]
@@ -105,7 +105,7 @@ pub fn dense(
     let (isa, steps) = (Isa::Amx(token), matrix.steps);
     planes.fill(isa, vectors, steps);
     let count = vectors.words.len() / vectors.stride;
-    let mut products: Products = [[[0; TILE]; TILE]; 4];
+    let mut products: Products = [[[0; TILE]; TILE]; 3];
     let tiles = Tiles::configured(token);
     for (row, weights) in (0..matrix.rows).step_by(TILE).zip(matrix.tiles.chunks(steps)) {
         for (number, some) in planes.0.chunks(TILE * steps).enumerate() {
@@ -123,8 +123,8 @@ pub fn dense(
 for_each_isa! {
     /// High parts of the first vectors' sums, those of a vector `stride` after the one's before it.
     fn high_parts(products: &Products, vectors: usize, stride: usize, to: &mut [i32]) -> () {
-        let [highs, mixed, mixed_too, lows] = products.each_ref().map(|tile| tile.as_flattened());
-        let sum = |i: usize| (highs[i] << 8) + mixed[i] + mixed_too[i] + (lows[i] >> LOW_BITS);
+        let [highs, mixed, lows] = products.each_ref().map(|tile| tile.as_flattened());
+        let sum = |i: usize| (highs[i] << 8) + mixed[i] + (lows[i] >> LOW_BITS);
         let mut sums = [0; TILE * TILE];
         (0..TILE * TILE).for_each(|i| sums[i] = sum(i));
         spread(&sums, vectors, stride, to);
@@ -135,7 +135,7 @@ for_each_isa! {
     /// Low parts, likewise.
     fn low_parts(products: &Products, vectors: usize, stride: usize, to: &mut [i32]) -> () {
         let mut sums = [0; TILE * TILE];
-        for (sum, low) in sums.iter_mut().zip(products[3].as_flattened()) {
+        for (sum, low) in sums.iter_mut().zip(products[2].as_flattened()) {
             *sum = low & LOW;
         }
         spread(&sums, vectors, stride, to);
@@ -203,7 +203,6 @@ mod registers {
                     "tilezero tmm0",
                     "tilezero tmm1",
                     "tilezero tmm2",
-                    "tilezero tmm3",
                     "2:",
                     "tileloadd tmm4, [{vectors} + {apart}*1]",
                     "tileloadd tmm5, [{weights} + {row}*1]",
@@ -211,8 +210,8 @@ mod registers {
                     "tileloadd tmm6, [{vectors} + {apart}*1 + 64]",
                     "tdpbusd tmm1, tmm6, tmm5",
                     "tileloadd tmm7, [{weights} + {row}*1 + 1024]",
-                    "tdpbsud tmm2, tmm4, tmm7",
-                    "tdpbuud tmm3, tmm6, tmm7",
+                    "tdpbuud tmm2, tmm6, tmm7",
+                    "tdpbsud tmm1, tmm4, tmm7",
                     "add {vectors}, 128",
                     "add {weights}, 2048",
                     "dec {steps}",
@@ -220,14 +219,13 @@ mod registers {
                     "tilestored [{out} + {row}*1], tmm0",
                     "tilestored [{out} + {row}*1 + 1024], tmm1",
                     "tilestored [{out} + {row}*1 + 2048], tmm2",
-                    "tilestored [{out} + {row}*1 + 3072], tmm3",
                     vectors = inout(reg) vectors.as_ptr() => _,
                     weights = inout(reg) weights.as_ptr() => _,
                     steps = inout(reg) steps => _,
                     apart = in(reg) steps * size_of::<[Row; 2]>(),
                     row = in(reg) STEP,
                     out = in(reg) out,
-                    out("tmm0") _, out("tmm1") _, out("tmm2") _, out("tmm3") _,
+                    out("tmm0") _, out("tmm1") _, out("tmm2") _,
                     out("tmm4") _, out("tmm5") _, out("tmm6") _, out("tmm7") _,
                     options(nostack),
                 );
@@ -246,7 +244,7 @@ mod registers {
 /// What tiles compute, in plain Rust.
 #[cfg(any(test, not(target_arch = "x86_64")))]
 fn multiplied(vectors: &[[Row; 2]], weights: &[[Row; 2 * TILE]]) -> Products {
-    let mut products: Products = [[[0; TILE]; TILE]; 4];
+    let mut products: Products = [[[0; TILE]; TILE]; 3];
     let steps = weights.len();
     let signed = |byte: u8| i32::from(byte as i8);
     for (vector, row, step, column) in (0..TILE * TILE * steps * STEP)
@@ -256,9 +254,8 @@ fn multiplied(vectors: &[[Row; 2]], weights: &[[Row; 2 * TILE]]) -> Products {
         let place = 4 * row + column % 4;
         let [of_high, of_low] = [0, TILE].map(|tile| weights[step][tile + column / 4].0[place]);
         products[0][vector][row] += signed(high) * signed(of_high);
-        products[1][vector][row] += i32::from(low) * signed(of_high);
-        products[2][vector][row] += signed(high) * i32::from(of_low);
-        products[3][vector][row] += i32::from(low) * i32::from(of_low);
+        products[1][vector][row] += i32::from(low) * signed(of_high) + signed(high) * i32::from(of_low);
+        products[2][vector][row] += i32::from(low) * i32::from(of_low);
     }
     products
 }
@@ -332,7 +329,7 @@ mod tests {
             let vectors: Vec<[Row; 2]> = (0..TILE * steps).map(|_| [bytes(draw), bytes(draw)]).collect();
             let weights: Vec<[Row; 2 * TILE]> =
                 (0..steps).map(|_| std::array::from_fn(|_| bytes(draw))).collect();
-            let mut found: Products = [[[7; TILE]; TILE]; 4];
+            let mut found: Products = [[[7; TILE]; TILE]; 3];
             Tiles::configured(token).multiply(&vectors, &weights, &mut found);
             assert_eq!(found, multiplied(&vectors, &weights), "{steps} steps");
         }

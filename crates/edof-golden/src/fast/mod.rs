@@ -200,12 +200,15 @@ impl Windows {
         Self { words: vec![InputWord::ZERO; windows * pixels], largest: vec![0; windows], pixels }
     }
 
-    fn fill(&mut self, isa: Isa, count: usize, mut fill_one: impl FnMut(usize, &mut [InputWord])) {
-        let windows = self.words.chunks_exact_mut(self.pixels).zip(&mut self.largest);
-        for (i, (words, largest)) in windows.take(count).enumerate() {
-            fill_one(i, words);
-            *largest = kernels::largest(isa, bits_of(words));
-        }
+    fn fill(&mut self, count: usize, mut fill_one: impl FnMut(usize, &mut [InputWord])) {
+        let windows = self.words.chunks_exact_mut(self.pixels);
+        windows.take(count).enumerate().for_each(|(i, words)| fill_one(i, words));
+    }
+
+    /// Finds the largest words, which bound sums; tiles need no bound.
+    fn bound(&mut self, isa: Isa, count: usize) {
+        let windows = self.words.chunks_exact(self.pixels).zip(&mut self.largest);
+        windows.take(count).for_each(|(words, largest)| *largest = kernels::largest(isa, bits_of(words)));
     }
 
     fn window(&self, i: usize) -> &[InputWord] {
@@ -279,7 +282,10 @@ impl Fast {
     /// Runs `count` patches (at most [`Batch::PATCHES`]); `fill(i, words)` writes the input words (0 or more) of the i-th.
     pub fn run(&self, batch: &mut Batch, count: usize, fill: impl FnMut(usize, &mut [InputWord])) {
         let count = count.min(Batch::PATCHES);
-        batch.windows.fill(self.isa, count, fill);
+        batch.windows.fill(count, fill);
+        if self.tiled.is_none() {
+            batch.windows.bound(self.isa, count);
+        }
         if self.fits() {
             (0..self.stages.len()).for_each(|t| self.layer(batch, t, count));
             self.outputs(batch, count);
