@@ -20,8 +20,7 @@ else
 fi
 [ $# -gt 0 ] || set -- 1 2 3
 folder=$work/ulx3s
-"$EDOF" random-network -q --design ulx3s --out "$work/random.fixed.safetensors"
-"$EDOF" generate -q --force --design ulx3s --weights "$work/random.fixed.safetensors" --out "$folder"
+"$EDOF" generate -q --force --design ulx3s --weights edof-t3w12c96-clear-light --out "$folder"
 
 # The PLLs' divisions are those of prjtrellis' own tool, where that is beside the packer.
 if command -v "${packer%ecppack}ecppll" >/dev/null; then

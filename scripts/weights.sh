@@ -31,6 +31,7 @@ networks=(
     "edof-t4w12-light edof-t4w12 ring-2018 srgb 1 | --flat 64 | $all"
     "edof-t4w12-outer-light edof-t4w12 ring-outer srgb 1 | --flat 64 | $all"
     "edof-t4w12-clear-light edof-t4w12 clear-mid srgb 1 | --flat 64 | $all"
+    "edof-t3w12c96-clear-light one-sided,w12,t3,c96,r clear-mid srgb 1 | --flat 64 --steps 24000 | $short --non-zeros 31,24 --lambda 5e-5,2e-2"
 )
 # Classes of noise. Half of the windows of the lowest have none; of the lowest of light a quarter.
 for lens in outer:ring-outer clear:clear-mid; do
