@@ -112,7 +112,11 @@ fn a_host_tries_every_part_loads_a_network_and_gets_golden_pictures_over_the_lin
     let test = SelfTest { design: &design, golden: &golden, display: &display(), clocks: true };
     let items = board.self_test(&test, &mut |_, _| ControlFlow::Continue(())).unwrap();
     assert!(items.iter().all(|item| item.passed), "{items:?}");
-    assert_eq!(items.last().unwrap().detail, "at 50 MHz of the core: screen 25.00 MHz, input 0.00 MHz");
+    // Edges are counted, whose phase is random.
+    let clocks = &items.last().unwrap().detail;
+    let screen = clocks.strip_prefix("at 50 MHz of the core: screen ").unwrap().split(' ').next().unwrap();
+    assert!((screen.parse::<f64>().unwrap() - 25.0).abs() < 0.02, "{clocks}");
+    assert!(clocks.ends_with("input 0.00 MHz"), "{clocks}");
 
     goes_round(&mut board, &frames[0], &first);
     let job = Job { design: &design, network: &second, bank: None, full: true, read_back: true, known: &[] };

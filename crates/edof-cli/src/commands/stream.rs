@@ -18,7 +18,9 @@ use edof_io::packing::{ByteOrder, Packing};
 use edof_io::raw::{self, Size};
 use edof_io::rendering::{ColourMatrix, WhiteBalance};
 use edof_io::y4m::Rate;
+use edof_network::network::Origin;
 use serde_json::json;
+use std::cell::Cell;
 use std::fs::File;
 use std::io::{self, Cursor, Read, Write};
 use std::path::{Path, PathBuf};
@@ -87,7 +89,7 @@ pub struct Args {
     #[arg(long, value_name = "CURVE", default_value = "srgb")]
     gamma: Gamma,
 
-    /// Network: a name such as edof-t4w12-outer-light, or a weight file [default: edof-t4w12-outer-light]
+    /// Network: a name such as edof-t4w12-outer-light, or a weight file [default: edof-t4w12-clear-light, for a lens without a mask]
     #[arg(long, value_name = "NAME|FILE")]
     weights: Option<String>,
 
@@ -152,7 +154,13 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     job.check().map_err(|error| args.failed(&error))?;
     let input = args.input()?;
     args.check_length(&job.layout)?;
-    let tell = |pace: &Pace| ui.status(in_words(pace), &json!({ "stream": pace }));
+    // Said once, after what may be refused.
+    let network = Cell::new(Some(in_words_of(&name, &job.network.origin)));
+    let name_network = || network.take().into_iter().for_each(|line| ui.note(line));
+    let tell = |pace: &Pace| {
+        name_network();
+        ui.status(in_words(pace), &json!({ "stream": pace }));
+    };
     let done =
         job.run(input, args.output()?, &tell, &interrupt::flow).map_err(|error| args.failed(&error))?;
     let pace = &done.pace;
@@ -166,6 +174,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
             count(pace.frames as usize, "picture")
         ));
     }
+    name_network();
     ui.status(format!("in all {}", in_words(pace)), &json!({ "streamed": pace }));
     ui.json(pace)?;
     if done.is_stopped { Err(Error::Interrupted) } else { Ok(()) }
@@ -182,6 +191,19 @@ fn in_words(pace: &Pace) -> String {
     )
 }
 
+/// The lens and the tone that a network was trained for: a stream states neither.
+fn in_words_of(network: &str, origin: &Origin) -> String {
+    let Origin { camera, conditions, .. } = origin;
+    let lens = format!("network {network}, trained for the lens {}", camera.name);
+    match conditions.iter().any(|condition| condition.tone == Tone::Srgb) || conditions.is_empty() {
+        true => lens,
+        false => format!(
+            "{lens} and for pictures of linear light: expect about 2 dB less (docs/decisions/0041-one-tone.md); use --weights {}",
+            weights::trained_on(camera, Tone::Srgb).unwrap_or(weights::clear_for(Tone::Srgb))
+        ),
+    }
+}
+
 fn is_standard(path: &Path) -> bool {
     path == Path::new("-")
 }
@@ -189,7 +211,7 @@ fn is_standard(path: &Path) -> bool {
 impl Args {
     /// Name or file of the network.
     fn network(&self) -> Result<String, Error> {
-        let usual = self.weights.as_deref().unwrap_or_else(|| weights::default_for(Tone::Srgb));
+        let usual = self.weights.as_deref().unwrap_or_else(|| weights::clear_for(Tone::Srgb));
         let Some(gain) = self.gain else { return Ok(usual.to_owned()) };
         all_within("--gain", &[gain], 1.0, 1000.0)?;
         Ok(weights::for_noise(usual, Tone::Srgb, Noise::sensor(gain)).to_owned())

@@ -7,6 +7,7 @@
 
 use crate::presets::{PresetError, lens};
 use edof_core::camera::Camera;
+use edof_core::colour::OUTPUTS_422;
 use edof_core::storage::input;
 use edof_core::storage::provenance::{Input, InputKind};
 use edof_core::{Noise, Tone};
@@ -98,7 +99,7 @@ pub fn for_noise(name: &str, tone: Tone, noise: Noise) -> &str {
 }
 
 /// A network that comes with the program and was trained for a camera's lens, for `tone` if there is one; of several, the one for most
-/// noises.
+/// noises, of those the largest.
 #[must_use]
 pub fn trained_for(camera: &Camera, tone: Tone) -> Option<&'static str> {
     let catalogue = Catalogue::read();
@@ -139,12 +140,13 @@ impl Catalogue {
         best_fit(own.into_iter().chain(others)).map_or(name, |(name, _)| name)
     }
 
-    /// A network that was trained for a camera's lens on pictures of one of these tones; of several, the one for most noises.
+    /// A network that was trained for a camera's lens on pictures of one of these tones; of several, the one for most noises, of those the largest.
     #[must_use]
     pub fn trained_on(&self, camera: &Camera, tones: &[Tone]) -> Option<&'static str> {
-        let fitting = self.0.iter().filter_map(|(name, _, origin)| {
+        let fitting = self.0.iter().filter_map(|(name, form, origin)| {
             let condition = origin.conditions.iter().find(|condition| tones.contains(&condition.tone))?;
-            origin.camera.same_lens(camera).then_some((*name, condition.width()))
+            let rank = (condition.width(), form.dense_multiplications(OUTPUTS_422));
+            origin.camera.same_lens(camera).then_some((*name, rank))
         });
         fitting.reduce(|best, other| if other.1 > best.1 { other } else { best }).map(|(name, _)| name)
     }

@@ -49,7 +49,7 @@ pub struct Args {
     pub(super) raw: Vec<PathBuf>,
 
     /// Network: a name such as edof-t4w12-outer, or a weight file; it must have been trained for the camera that took RAW
-    /// [default: edof-t4w12-outer-light, for linear pictures edof-t4w12-outer]
+    /// [default: the one for the lens that is stated, else edof-t4w12-clear-light, for linear pictures edof-t4w12-clear]
     #[arg(long, value_name = "NAME|FILE")]
     pub(super) weights: Option<String>,
 

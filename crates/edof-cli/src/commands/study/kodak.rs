@@ -95,6 +95,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         loaded.push(net);
         notes.extend(missing);
     }
+    notes.extend(nets::of_other_tone(&args.nets, args.tone)?);
     let externals = args.externals.methods()?;
     let mut setups = setups(loaded)?;
     // Programs of others take one raw frame.

@@ -6,9 +6,9 @@ use crate::ui::Ui;
 use crate::{designs, interrupt, weights};
 use edof::job::Device;
 use edof::presets::PresetError;
-use edof_core::Stride;
 use edof_core::camera::Camera;
 use edof_core::storage::digest;
+use edof_core::{Stride, Tone};
 use edof_device::Design;
 use edof_device::design::FrameSize;
 use edof_network::{FixedNetwork, Network};
@@ -29,6 +29,21 @@ pub fn read(files: Files, nets: &[String]) -> Files {
 }
 
 /// The networks of `LOW+HIGH`; a name or file alone is one.
+/// Returns a line where none of some networks was trained on pictures of a tone.
+///
+/// # Errors
+/// Nothing of that name, or a file that is broken.
+pub fn of_other_tone(nets: &[String], tone: Tone) -> Result<Option<String>, Error> {
+    let mut trained = vec![];
+    for name in nets.iter().flat_map(|net| parts(net)) {
+        trained.extend(weights::float(name)?.origin.conditions.iter().map(|condition| condition.tone));
+    }
+    let other = trained.first().filter(|_| !trained.contains(&tone));
+    Ok(other.map(|other| {
+        format!("--tone {tone}: every network was trained on pictures of tone {other}; --tone {other} measures them as they were trained")
+    }))
+}
+
 fn parts(nets: &str) -> Vec<&str> {
     if Path::new(nets).is_file() { vec![nets] } else { nets.split('+').collect() }
 }
@@ -104,7 +119,7 @@ pub fn methods(
     if float.origin.camera != *camera {
         let own = &float.origin.camera.name;
         return Err(Error::message(format!(
-            "net '{name}': was trained for camera {own}, not {}: all methods stand behind one camera",
+            "net '{name}': was trained for camera {own}, not {}: all methods stand behind one camera; add --camera {own}",
             camera.name
         )));
     }

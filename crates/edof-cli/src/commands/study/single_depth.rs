@@ -154,6 +154,7 @@ impl Args {
             methods.extend(own);
             notes.extend(note);
         }
+        notes.extend(nets::of_other_tone(&self.nets, self.tone)?);
         let (on_device, note) = nets::on_device(self.device, &methods)?;
         methods.extend(on_device);
         notes.extend(note);

@@ -120,10 +120,12 @@ impl ReconstructJob {
         }
     }
 
-    /// Returns the network's name or file: the one asked for, else the one for this tone and for the noise that the frame's record states.
+    /// Returns the network's name or file: the one asked for, else the one for this lens, this tone, and the noise that the frame's record states. Of an unknown
+    /// lens nobody said that it has a mask.
     fn network<'a>(&'a self, taken: &Taken) -> &'a str {
         let tone = self.tone(taken);
-        let usual = weights::default_for(tone);
+        let trained = |camera| weights::trained_on(camera, tone).unwrap_or(weights::default_for(tone));
+        let usual = taken.camera.as_ref().map_or_else(|| weights::clear_for(tone), trained);
         let fitting = |record: &edof_io::record::RawRecord| weights::for_noise(usual, tone, record.noise);
         self.network.as_deref().unwrap_or_else(|| taken.record.as_ref().map_or(usual, fitting))
     }
