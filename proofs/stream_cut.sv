@@ -10,10 +10,11 @@ module prove (
     input wire       ready_i
 );
     wire ready_o, valid_o, user_o, last_o;
-    wire [1:0] data_o;
-    stream_cut_w2 dut (
-        .clock_i(clock_i), .reset_i(reset_i), .from_valid_i(valid_i), .from_data_i(data_i), .from_user_i(user_i), .from_last_i(last_i),
-        .from_ready_o(ready_o), .to_valid_o(valid_o), .to_data_o(data_o), .to_user_o(user_o), .to_last_o(last_o), .to_ready_i(ready_i)
+    wire [15:0] word_o;
+    wire [1:0] data_o = word_o[1:0];
+    stream_cut_w16 dut (
+        .clock_i(clock_i), .reset_i(reset_i), .from_valid_i(valid_i), .from_data_i({14'd0, data_i}), .from_user_i(user_i), .from_last_i(last_i),
+        .from_ready_o(ready_o), .to_valid_o(valid_o), .to_data_o(word_o), .to_user_o(user_o), .to_last_o(last_o), .to_ready_i(ready_i)
     );
 
     wire push = valid_i && ready_o && !reset_i;

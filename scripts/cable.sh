@@ -19,8 +19,8 @@ for noise in none sensor; do
             for psi in 0 4 8; do
                 "$edof" capture "$photos/kodim$number.png" --psi "$psi" --bit-depth "$depth" --noise "$noise" --no-measure \
                     --out raw.png --video frame.2vuy --values srgb --sharp sharp.png > /dev/null
-                "$edof" reconstruct raw.png --bits 16 --out past.png > /dev/null
-                "$edof" reconstruct --video frame.2vuy --bits 16 --out through.png > /dev/null
+                "$edof" reconstruct raw.png --weights edof-t4w12-outer-light --bits 16 --out past.png > /dev/null
+                "$edof" reconstruct --video frame.2vuy --weights edof-t4w12-outer-light --bits 16 --out through.png > /dev/null
                 echo "$(psnr through.png) $(psnr past.png)"
             done
         done | awk -v row="| $depth | $noise |" '{ d = $1 - $2; sum += d; if (NR == 1 || d < worst) worst = d }

@@ -77,6 +77,29 @@ fn a_network_for_light_is_named_where_one_for_codes_was_taken() {
 }
 
 #[test]
+fn the_network_is_that_of_the_lens_that_took_the_frame_and_of_a_clear_one_where_none_is_known() {
+    let place = Place::new();
+    for (camera, network) in [
+        ("ring-outer", "edof-t4w12-outer-light"),
+        ("clear-mid", "edof-t4w12-clear-light"),
+        ("ring-2018", "edof-t4w12-light"),
+    ] {
+        place
+            .edof(&format!("capture chart --size 96x64 --camera {camera} --psi 4 --out {camera}.png"))
+            .done();
+        let run = place.edof(&format!("reconstruct {camera}.png --out picture-{camera}.png")).done();
+        // Of its classes of noise, any.
+        assert!(run.out.contains(&format!("by {network}")), "{}", run.out);
+    }
+    std::fs::remove_file(place.path("ring-outer.png.json")).unwrap();
+    for (tone, network) in [("srgb", "edof-t4w12-clear-light"), ("linear", "edof-t4w12-clear")] {
+        let line = format!("reconstruct ring-outer.png --bit-depth 12 --tone {tone} --out {tone}.png");
+        let run = place.edof(&line).done();
+        assert!(run.out.contains(&format!("by {network}.fixed")), "{}", run.out);
+    }
+}
+
+#[test]
 fn an_odd_photograph_is_compared_with_the_picture_of_its_whole_cells() {
     let place = Place::new();
     place.photo("odd.png", 65, 49);

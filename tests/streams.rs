@@ -77,6 +77,22 @@ fn a_stream_of_frames_gives_the_pictures_of_the_frames() {
 }
 
 #[test]
+fn a_stream_takes_the_network_of_a_clear_lens_and_names_what_a_network_was_trained_for() {
+    let place = ready();
+    let line = "stream all.raw --size 48x32 --bit-depth 12";
+    let run = place.edof(&format!("{line} --out usual.y4m")).done();
+    let named = "network edof-t4w12-clear-light, trained for the lens clear-mid\n";
+    assert_eq!(run.err.matches(named).count(), 1, "{}", run.err);
+    let run = place.edof(&format!("{line} --weights edof-t4w12-outer --out other.y4m")).done();
+    for part in [
+        "network edof-t4w12-outer, trained for the lens ring-outer on pictures of tone linear: expect about 2 dB less",
+        "use --weights edof-t4w12-outer-light",
+    ] {
+        assert!(run.err.contains(part), "{}", run.err);
+    }
+}
+
+#[test]
 fn a_named_pipe_is_read_as_long_as_somebody_writes() {
     let place = ready();
     place.pipe("camera");

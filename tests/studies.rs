@@ -155,6 +155,14 @@ fn the_main_experiment_keeps_rows_resumes_and_is_shared_out() {
     assert_eq!(std::fs::read_to_string(place.path("whole.md")).unwrap(), page);
     assert!(page.contains("NO net.fixed ROWS"), "{page}");
 
+    // A tone that no network was trained for is named.
+    for (tones, says) in [("linear", false), ("srgb", true)] {
+        let run =
+            place.edof(&format!("{} --tone {tones} --noise none", line.replace(" --noise none", ""))).done();
+        let note = "every network was trained on pictures of tone linear; --tone linear measures them";
+        assert_eq!(run.err.contains(note), says, "{tones}: {}", run.err);
+    }
+
     // Rows of another program stay only where asked, and the page names both.
     let revision = whole.split("\"revision\":\"").nth(1).unwrap().split('"').next().unwrap();
     std::fs::write(place.path("old"), whole.replacen(revision, "0123abcd", 1)).unwrap();

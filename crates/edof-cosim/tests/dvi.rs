@@ -182,6 +182,8 @@ fn mistakes_on_the_way_to_the_pins_are_found() {
         ("edof_serialiser", "bits_q[10*lane+2 +: 8]", "bits_q[10*lane+1 +: 8]"),
         ("edof_serialiser", "else count_q <= count_q >= 3'd4", "else count_q <= count_q >= 3'd3"),
         ("edof_serialiser", "wire is_off = ", "wire is_off = 1'b0 && "),
+        // Three moments of a change never end in the middle.
+        ("edof_serialiser", "count_q == 3'd2 ? 3'd2 : 3'd0", "3'd1"),
     ] {
         let edit = |name: &str, text: String| {
             if !name.starts_with(file) {

@@ -1,6 +1,6 @@
 //! `edof stream`: from a stream of raw frames to a stream of pictures.
 
-use crate::commands::reconstruct::Gamma;
+use crate::commands::reconstruct::{Gamma, of_other_tone};
 use crate::commands::sensor;
 use crate::error::Error;
 use crate::files::Files;
@@ -155,7 +155,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let input = args.input()?;
     args.check_length(&job.layout)?;
     // Said once, after what may be refused.
-    let network = Cell::new(Some(in_words_of(&name, &job.network.origin)));
+    let network = Cell::new(Some(trained_for(&name, &job.network.origin)));
     let name_network = || network.take().into_iter().for_each(|line| ui.note(line));
     let tell = |pace: &Pace| {
         name_network();
@@ -191,16 +191,15 @@ fn in_words(pace: &Pace) -> String {
     )
 }
 
-/// The lens and the tone that a network was trained for: a stream states neither.
-fn in_words_of(network: &str, origin: &Origin) -> String {
-    let Origin { camera, conditions, .. } = origin;
-    let lens = format!("network {network}, trained for the lens {}", camera.name);
-    match conditions.iter().any(|condition| condition.tone == Tone::Srgb) || conditions.is_empty() {
-        true => lens,
-        false => format!(
-            "{lens} and for pictures of linear light: expect about 2 dB less (docs/decisions/0041-one-tone.md); use --weights {}",
-            weights::trained_on(camera, Tone::Srgb).unwrap_or(weights::clear_for(Tone::Srgb))
-        ),
+/// Returns what a network was trained for, which a stream does not state: its lens, and its tone where it is not that of light.
+fn trained_for(network: &str, origin: &Origin) -> String {
+    let lens = format!("network {network}, trained for the lens {}", origin.camera.name);
+    let tones: Vec<Tone> = origin.conditions.iter().map(|condition| condition.tone).collect();
+    match tones.first().filter(|_| !tones.contains(&Tone::Srgb)) {
+        None => lens,
+        Some(tone) => {
+            format!("{lens} on pictures of tone {tone}: {}", of_other_tone(&origin.camera, Tone::Srgb))
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use super::options::Args;
 use crate::error::Error;
 use crate::{lens, weights};
 use edof::job::{FrameNote, JobError};
+use edof_core::camera::Camera;
 use edof_core::frame::FrameError;
 use edof_core::{CfaPhase, Channel, Tone};
 use edof_io::camera_raw::CameraRawError;
@@ -145,15 +146,10 @@ impl Wording<'_> {
                 format!("--weights {}; used nevertheless", other.in_words("--camera"))
             }
             FrameNote::OtherTone { path, network, camera, trained, tone } => {
-                let instead = match weights::trained_on(&camera, tone) {
-                    Some(name) => format!("use --weights {name}"),
-                    None => format!("train one by 'edof train --tone {tone}'"),
-                };
                 format!(
-                    "--weights {network}: trained on pictures of tone {trained}, {} is of {tone}: expect {} \
-                     (docs/decisions/0041-one-tone.md); {instead}",
+                    "--weights {network}: trained on pictures of tone {trained}, {} is of {tone}: {}",
                     path.display(),
-                    loss_of(tone),
+                    of_other_tone(&camera, tone),
                 )
             }
             FrameNote::OtherNoise { path, network, trained, noise, better } => {
@@ -222,6 +218,15 @@ const fn option(field: Field) -> &'static str {
         Field::Tone => "--tone",
         Field::Camera => "--camera",
     }
+}
+
+/// Returns what to expect of a network for a camera on frames of a tone that it was not trained on, and what to do.
+pub(in crate::commands) fn of_other_tone(camera: &Camera, tone: Tone) -> String {
+    let instead = match weights::trained_on(camera, tone) {
+        Some(name) => format!("use --weights {name}"),
+        None => format!("train one by 'edof train --tone {tone}'"),
+    };
+    format!("expect {} (docs/decisions/0041-one-tone.md); {instead}", loss_of(tone))
 }
 
 /// What a network loses on frames of a tone where it was trained on the other one, as measured with the program's own.

@@ -28,7 +28,6 @@ pub fn read(files: Files, nets: &[String]) -> Files {
     files.reads_all(names().filter_map(|net| weights::fixed_file(&fixed_name(net))))
 }
 
-/// The networks of `LOW+HIGH`; a name or file alone is one.
 /// Returns a line where none of some networks was trained on pictures of a tone.
 ///
 /// # Errors
@@ -44,6 +43,7 @@ pub fn of_other_tone(nets: &[String], tone: Tone) -> Result<Option<String>, Erro
     }))
 }
 
+/// The networks of `LOW+HIGH`; a name or file alone is one.
 fn parts(nets: &str) -> Vec<&str> {
     if Path::new(nets).is_file() { vec![nets] } else { nets.split('+').collect() }
 }
