@@ -114,7 +114,8 @@ def test_words_of_a_photograph_are_those_of_the_program(run: Run, tmp_path: Path
 def test_board_codes_are_those_of_the_program(run: Run, tmp_path: Path, light: Picture, phase: str, display: str) -> None:
     raw = edof.capture(light, "ring-outer", 4.0, phase=phase, seed=1).raw
     raw_file(tmp_path / "raw.pgm", raw, 12)
-    run("reconstruct", "raw.pgm", "--bit-depth", 12, "--phase", phase, "--board", "--display", display, "--out", "board.png", "-q")
+    run("reconstruct", "raw.pgm", "--weights", "edof-t4w12-outer-light", "--bit-depth", 12, "--phase", phase, "--board", "--display", display,
+        "--out", "board.png", "-q")  # fmt: skip
     made = edof.board_picture(raw, "edof-t4w12-outer-light", bit_depth=12, phase=phase, display=display)
     assert made.yuyv().tobytes() == (tmp_path / "board.yuyv").read_bytes()
     edof.save_picture(tmp_path / "own.png", made.shown(), curve="linear")
@@ -139,8 +140,8 @@ def test_float_pictures_are_those_of_the_program(run: Run, tmp_path: Path, light
 def test_fixed_pictures_and_levels_are_those_of_the_program(run: Run, tmp_path: Path, light: Picture, phase: str) -> None:
     raw = edof.capture(light, "ring-outer", 6.0, phase=phase, black_level=64).raw
     raw_file(tmp_path / "raw.pgm", raw, 12)
-    run("reconstruct", "raw.pgm", "--bit-depth", 12, "--phase", phase, "--black-level", 64, "--white-level", 4000, "--bits", 16,
-        "--out", "sharp.tif", "-q")  # fmt: skip
+    run("reconstruct", "raw.pgm", "--weights", "edof-t4w12-outer-light", "--bit-depth", 12, "--phase", phase, "--black-level", 64,
+        "--white-level", 4000, "--bits", 16, "--out", "sharp.tif", "-q")  # fmt: skip
     sharp = edof.reconstruct(raw, "edof-t4w12-outer-light", bit_depth=12, phase=phase, black_level=64, white_level=4000.0)
     edof.save_picture(tmp_path / "own.tif", sharp, bits=16)
     assert (tmp_path / "own.tif").read_bytes() == (tmp_path / "sharp.tif").read_bytes()
@@ -175,8 +176,8 @@ def test_a_sensor_is_measured_and_corrected_as_by_the_program(run: Run, tmp_path
     same(loaded.light(raw), sensor.light(raw))
     sensor.save(tmp_path / "own.safetensors")
     raw_file(tmp_path / "raw.pgm", raw, 12)
-    run("reconstruct", "raw.pgm", "--phase", "gbrg", "--sensor", "own.safetensors", "--bits", 16, "--out", "sharp.tif", "-q")
     name = "edof-t4w12-outer-light"
+    run("reconstruct", "raw.pgm", "--weights", name, "--phase", "gbrg", "--sensor", "own.safetensors", "--bits", 16, "--out", "sharp.tif", "-q")
     sharp = edof.reconstruct(raw, name, bit_depth=12, phase="gbrg", sensor=sensor)
     same(edof.reconstruct(sensor.light(raw), name, phase="gbrg"), sharp)
     same(edof.reconstruct(raw, name, bit_depth=12, phase="gbrg", sensor=tmp_path / "sensor.safetensors"), sharp)
