@@ -58,6 +58,11 @@ fn advise_takes_metres_and_closes_the_lens_where_the_range_is_wide() {
     let line =
         "optics advise clear --range 0.4m:10m --aperture-mm 2 --electrons 10000 --out lens.json --json";
     let told = json(&place.edof(line).done().out);
+    // The same by the number on the lens.
+    let focal = Camera::resolve("clear").unwrap().focal_length_mm;
+    let by_number = line.replace("advise clear", "advise --camera clear");
+    let by_number = by_number.replace("--aperture-mm 2", &format!("--f-number {}", focal / 2.0));
+    assert_eq!(json(&place.edof(&by_number).done().out)["advised"], told["advised"]);
     let (advised, [low, high]) = (&told["advised"], [0, 1].map(|i| number(&told["psi_range"][i])));
     // psi = (pi R^2/lambda)(1/z - 1/z_0), R = 1 mm, 460 nm, 0.4 m and 10 m.
     assert!(low.abs() < 1e-9 && (high - 16.39).abs() < 0.01, "{low} {high}");

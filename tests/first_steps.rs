@@ -237,7 +237,14 @@ fn a_design_for_another_board_is_estimated_and_what_the_board_lacks_is_named() {
         estimate.contains("DP16KD") && estimate.contains("board ulx3s takes no video by cable"),
         "{estimate}"
     );
+    place.edof(line).refused(&["open.json: is there already", "--force"]);
+    place.edof("design new --form w8,t3,c32 --size 640x480 --out camera.json").done();
+    let estimate = place.edof("estimate --design camera.json").done().out;
+    assert!(estimate.contains("640x480 is no video mode of board kc705"), "{estimate}");
     place.edof("random-network --design open.json --out random.fixed.safetensors").done();
+    // The line's speed is that of the design's board.
+    let load = place.edof("board load random.fixed.safetensors --dry-run --design open.json").done().out;
+    assert!(load.contains(" s at 2000000 bits per second"), "{load}");
     let network = "--design open.json --weights random.fixed.safetensors";
     for (line, message) in [
         (

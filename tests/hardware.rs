@@ -74,7 +74,8 @@ fn foldings_of_a_network_are_reported_that_nothing_beats() {
     let run = place.edof(line).done();
     let report: Value = serde_json::from_slice(&std::fs::read(place.path("front.json")).unwrap()).unwrap();
     let front = report["front"].as_array().unwrap();
-    assert_eq!(run.out.lines().count(), 1 + front.len(), "{}", run.out);
+    assert!(run.out.starts_with("on a photograph; frames per second of 1920x1080 at 215 MHz"), "{}", run.out);
+    assert_eq!(run.out.lines().count(), 2 + front.len(), "{}", run.out);
     let figures = |one: &Value| {
         let used = &one["resources"];
         let ramb = used["ramb36e1"].as_f64().unwrap() + used["ramb18e1"].as_f64().unwrap() / 2.0;
@@ -104,6 +105,12 @@ fn an_explored_folding_is_written_as_a_design_that_its_network_fits() {
         (Some("mine"), Some(&*words.join(" ")))
     );
     place.edof("design check mine.json --weights edof-t4w12-outer").done();
+    // The size and the clock of a camera in place of the design's.
+    let own = format!("{line} --size 640x480 --clock-mhz 100 --fps 20 --out own.json");
+    assert!(place.edof(&own).done().out.contains("frames per second of 640x480 at 100 MHz"));
+    let design: Value = serde_json::from_slice(&std::fs::read(place.path("own.json")).unwrap()).unwrap();
+    assert_eq!((&design["frame"]["width"], &design["clock_mhz"]), (&640.into(), &100.0.into()));
+    place.edof(&format!("{line} --size 7x8")).refused(&["--size 7x8: "]);
     let fast = format!("{line} --fps 1e6 --out none.json");
     place
         .edof(&fast)
@@ -115,7 +122,8 @@ fn an_explored_folding_is_written_as_a_design_that_its_network_fits() {
 fn a_design_for_a_rate_has_the_fewest_multipliers_that_reach_it() {
     let place = Place::new();
     let made = |options: &str| {
-        let line = "design new --form w8,t3,c64 --size 1280x720 --clock-mhz 150 --out made.json --json";
+        let line =
+            "design new --form w8,t3,c64 --size 1280x720 --clock-mhz 150 --out made.json --force --json";
         let report: Value =
             serde_json::from_str(&place.edof(&format!("{line} {options}")).done().out).unwrap();
         let promise = &report["promise"];
@@ -206,7 +214,7 @@ fn the_words_of_a_bank_are_counted_not_its_rows() {
     ] {
         let line =
             format!("design new --form {form} --size {size} --clock-mhz 100 --multipliers {multipliers}");
-        place.edof(&format!("{line} --out new.json")).done();
+        place.edof(&format!("{line} --out new.json --force")).done();
         let mut design: Value =
             serde_json::from_slice(&std::fs::read(place.path("new.json")).unwrap()).unwrap();
         let old: Vec<[u64; 2]> = serde_json::from_str(stages).unwrap();
@@ -391,6 +399,25 @@ fn co_simulation_loads_both_banks() {
     assert!(run.out.contains("20 patches") && !run.out.contains("both banks loaded"), "{}", run.out);
     let waveform = ["fst", "vcd"].map(|ending| place.path(&format!("fault.{ending}")));
     assert!(waveform.iter().any(|file| file.is_file()));
+}
+
+#[test]
+fn a_folder_of_another_design_or_network_is_no_folder_of_this_one() {
+    let place = Place::new();
+    let random = "random-network --design tiny";
+    place.edof(&format!("{random} --out one.fixed.safetensors")).done();
+    place.edof(&format!("{random} --seed 7 --out two.fixed.safetensors")).done();
+    place.edof("generate --design tiny --weights one.fixed.safetensors --out built").done();
+    let line = "cosim --design tiny --random 5 --rtl built --weights";
+    place
+        .edof(&format!("{line} two.fixed.safetensors"))
+        .refused(&["--rtl built/mem/", " of the network of --weights"]);
+    place
+        .edof("cosim --design paper --random 5 --rtl built")
+        .refused(&["--rtl built: is of another design, accumulator_bits is 48, expected 40"]);
+    place
+        .edof("cosim --system --design tiny --rtl built --size 32x16")
+        .refused(&["--size: the Verilog of --rtl built is of its own design; leave --size out"]);
 }
 
 #[test]

@@ -103,7 +103,7 @@ fn a_result_replaces_the_result_of_an_earlier_run() {
     for line in [
         "doctor --json message.json",
         "estimate --design tiny --json message.json",
-        "design new --weights paper-t4 --out mine.json",
+        "design new --weights paper-t4 --out mine.json --force",
         "random-network --design tiny --out net",
         "scene chart --size 64x64 --psi 1 --out random",
         "board map --json message.json",

@@ -209,7 +209,6 @@ fn defaults_that_older_results_state_are_accepted() {
         "capture photo.png --camera clear --psi 1 --out o.png --exact --energy 0.999 --wavelength-tolerance 0.01 --depth-tolerance 0",
         "compare photo.png photo.png --map-gain 8",
         "reconstruct raw.png --weights net.fixed.safetensors --out o.png --order little",
-        "board map --baud 921600",
     ] {
         place.edof(line).done();
     }

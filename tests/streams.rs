@@ -93,6 +93,39 @@ fn a_stream_takes_the_network_of_a_clear_lens_and_names_what_a_network_was_train
 }
 
 #[test]
+fn lines_with_padding_are_read_without_it() {
+    let place = ready();
+    let padded: Vec<u8> =
+        read(&place, "all.raw").chunks(2 * SIZE.0).flat_map(|line| [line, &[7; 32]].concat()).collect();
+    place.write("padded.raw", padded);
+    let line = format!("{LINE} --bit-depth 12 --format yuyv422");
+    place.edof(&format!("stream all.raw {line} --out plain.yuyv")).done();
+    place.edof(&format!("stream padded.raw {line} --line-bytes 128 --out padded.yuyv")).done();
+    assert!(read(&place, "plain.yuyv") == read(&place, "padded.yuyv"));
+    place
+        .edof(&format!("stream padded.raw {line} --line-bytes 95 --out o.yuyv"))
+        .refused(&["--line-bytes: 95 bytes for a line of 48 pixels, expected at least 96 packed as words"]);
+}
+
+#[test]
+fn words_that_seem_to_have_fewer_bits_are_named_and_a_record_is_believed() {
+    let place = ready();
+    let dark = "the largest value of the first frame is 4088 of 65535";
+    let run = place.edof(&format!("stream all.raw {LINE} --out dark.y4m")).done();
+    assert!(run.err.contains(dark) && run.err.contains("as in --bit-depth 12"), "{}", run.err);
+    let run = place.edof(&format!("stream all.raw {LINE} --bit-depth 12 --out light.y4m")).done();
+    assert!(!run.err.contains(dark), "{}", run.err);
+    place.photo("photo.png", 48, 32);
+    let captured = "capture photo.png --camera clear-mid --bit-depth 12 --phase gbrg --out shot.raw";
+    place.edof(captured).done();
+    let line = format!("stream shot.raw {LINE} --out shot.y4m");
+    place
+        .edof(&line)
+        .refused(&["--phase rggb: shot.raw.json says gbrg; state --phase gbrg, or move that file elsewhere"]);
+    place.edof(&format!("{line} --phase gbrg")).done();
+}
+
+#[test]
 fn a_named_pipe_is_read_as_long_as_somebody_writes() {
     let place = ready();
     place.pipe("camera");

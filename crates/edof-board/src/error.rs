@@ -31,7 +31,9 @@ fn has_the_port(text: &str) -> String {
 }
 
 fn went_away(text: &str) -> String {
-    format!("the board went away ({text}); the weights in use still are, once it is back; load again")
+    format!(
+        "the board went away ({text}); load again once it is back: two sets of weights keep the one in use, a board with one set makes no frames until then"
+    )
 }
 
 /// Why nothing, or not all, came of what was asked.

@@ -1,7 +1,7 @@
 //! A line to a board: bytes there, bytes back.
 
 use crate::error::Error;
-use edof_device::board::KC705;
+use edof_device::board::BOARDS;
 use serialport::{ClearBuffer, SerialPort, SerialPortType};
 use std::io::{self, IsTerminal, Read, Write};
 use std::time::{Duration, Instant};
@@ -206,5 +206,14 @@ pub fn ports() -> Vec<Port> {
     found.into_iter().map(|(_, port)| port).collect()
 }
 
-/// The speed of the KC705's line.
-pub const DEFAULT_BAUD: u32 = KC705.baud;
+/// Returns the speeds of the boards' lines, the default board's first, each once.
+#[must_use]
+pub fn bauds() -> Vec<u32> {
+    let mut speeds: Vec<u32> = vec![];
+    for board in BOARDS {
+        if !speeds.contains(&board.baud) {
+            speeds.push(board.baud);
+        }
+    }
+    speeds
+}

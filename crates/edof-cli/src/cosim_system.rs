@@ -10,14 +10,14 @@ use edof_board::check::Boundary;
 use edof_board::link::PATIENCE;
 use edof_core::cable::carried;
 use edof_core::{DisplayMode, RawFrame, words};
-use edof_cosim::chain::folder::with_verilog_of;
+use edof_cosim::chain::folder::{self, with_verilog_of};
 use edof_cosim::system::{self, Compiled, Rig, RigConfig, Speed, Torn, VerilogBoard, recorded, second};
 use edof_cosim::verilator::Options;
 use edof_device::Design;
 use edof_device::design::{DesignError, FrameSize};
 use edof_device::registers::map;
 use edof_golden::{Curve, Display, Golden};
-use edof_hdl::project::Project;
+use edof_hdl::project::{Project, images};
 use edof_network::FixedNetwork;
 use ndarray::s;
 use serde_json::json;
@@ -51,15 +51,15 @@ pub struct Args {
     display: DisplayMode,
 
     /// Stride between patches in place of the design's: 2, 4 or 8
-    #[arg(long, requires = "system", conflicts_with = "rtl", value_name = "PIXELS")]
+    #[arg(long, requires = "system", value_name = "PIXELS")]
     stride: Option<usize>,
 
     /// Window in place of the design's: 8, 12 or 16; the network is then a random one
-    #[arg(long, requires = "system", conflicts_with_all = ["weights", "rtl"], value_name = "PIXELS")]
+    #[arg(long, requires = "system", conflicts_with = "weights", value_name = "PIXELS")]
     window: Option<usize>,
 
     /// Size of frames instead of the design's
-    #[arg(long, requires = "system", conflicts_with = "rtl", value_name = "WIDTHxHEIGHT", value_parser = size)]
+    #[arg(long, requires = "system", value_name = "WIDTHxHEIGHT", value_parser = size)]
     size: Option<(usize, usize)>,
 }
 
@@ -79,6 +79,25 @@ impl Args {
     /// A picture that is too small.
     pub fn has_room(&self, design: &Design, raw: &RawFrame) -> Result<(), Error> {
         check_room(raw, design.frame, self.sent(design).max(1))
+    }
+
+    /// Rejects what the Verilog of a folder fixes.
+    ///
+    /// # Errors
+    /// An option that would change the design.
+    pub fn check_folder(&self, folder: &Path) -> Result<(), Error> {
+        let given = [
+            ("--size", self.size.is_some()),
+            ("--stride", self.stride.is_some()),
+            ("--window", self.window.is_some()),
+        ];
+        match given.into_iter().find(|(_, is_given)| *is_given) {
+            None => Ok(()),
+            Some((option, _)) => Err(Error::message(format!(
+                "{option}: the Verilog of --rtl {} is of its own design; leave {option} out, or generate a folder from a design that has it",
+                folder.display()
+            ))),
+        }
     }
 
     /// How many frames are sent.
@@ -188,6 +207,15 @@ pub fn run(
 pub fn with_rtl(project: Project, rtl: Option<&Path>) -> Result<Project, Error> {
     let Some(folder) = rtl else { return Ok(project) };
     with_verilog_of(project, folder).map_err(|e| Error::message(format!("--rtl {e}")))
+}
+
+/// Checks that a folder of `--rtl` is of a design and, if one was named, of a network.
+///
+/// # Errors
+/// The field or the word that differs.
+pub fn check_rtl(folder: &Path, design: &Design, network: Option<&FixedNetwork>) -> Result<(), Error> {
+    let images = network.map_or_else(Vec::new, |network| images(design, [network; 2]));
+    folder::check(folder, design, &images).map_err(|e| Error::message(format!("--rtl {e}")))
 }
 
 /// Frames by their numbers; those that were black have none.

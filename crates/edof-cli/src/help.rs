@@ -40,7 +40,7 @@ const COMMANDS: [(&str, &[Group]); 16] = [
     (
         "stream",
         &[
-            ("Format of the frames", "size packing phase bit-depth order"),
+            ("Format of the frames", "size packing line-bytes phase bit-depth order"),
             ("Levels and colours", "sensor black-level white-level white-balance colour-matrix"),
             ("Network", "weights gain"),
             ("Pictures", "out format fps gamma live"),
@@ -88,14 +88,14 @@ const COMMANDS: [(&str, &[Group]); 16] = [
     (
         "optics",
         &[
-            ("Lens", "aperture-mm focal-mm pixel-um wavelengths range"),
+            ("Lens", "camera aperture-mm f-number focal-mm pixel-um wavelengths range"),
             ("Scene and light", "electrons read-noise mean-light images"),
         ],
     ),
     (
         "explore",
         &[
-            ("Networks and board", "weights design device fps"),
+            ("Networks and board", "weights design size clock-mhz device fps"),
             ("Pictures", "photo psi noise"),
             ("Files to write", "out"),
         ],
@@ -135,7 +135,7 @@ const COMMANDS: [(&str, &[Group]); 16] = [
             (
                 "Networks and methods",
                 "nets net networks clear-net methods device stride dictionary external external-seconds knobs \
-                 allowed only cases quick windows weights design fps atoms errors sparsity patches rounds window",
+                 allowed only cases quick windows weights design size clock-mhz fps atoms errors sparsity patches rounds window",
             ),
             (
                 "Scene, light and noise",

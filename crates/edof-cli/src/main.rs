@@ -111,7 +111,12 @@ Examples:
   edof cosim --design tiny                           compares the Verilog with the cycle model
   edof timing --design tiny                          prints the longest logic path of every stage
 
- Somebody with a board: from a KC705 to a picture
+ Somebody with an open board: from a ULX3S to a picture (docs/ulx3s.md)
+  edof generate --design ulx3s --weights edof-t3w12c96-clear-light --out build/ulx3s
+  make -C build/ulx3s bitstream prog                 with Yosys and nextpnr, 25 minutes
+  edof board selftest edof-t3w12c96-clear-light --design ulx3s
+
+ Somebody with a KC705: from the board to a picture (docs/bring-up.md)
   edof board selftest                                tests every part that needs no cable
   edof board load edof-t4w12-outer-light             loads weights over the serial line
   edof board sim --design tiny --link /tmp/board     simulates a board

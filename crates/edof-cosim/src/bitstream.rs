@@ -25,11 +25,12 @@ const TRIED: usize = 12;
 const STEPS: usize = 4;
 
 /// Folders and files of a generated directory beside those of its shell.
-const PARTS: [&str; 11] = [
+const PARTS: [&str; 12] = [
     "rtl",
     "mem",
     "sim",
     "constraints",
+    "axi4_stream",
     "files.f",
     folder::MANIFEST,
     "lint.vlt",

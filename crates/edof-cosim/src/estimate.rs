@@ -6,6 +6,7 @@ use edof_core::geometry::GeometryError;
 use edof_device::Design;
 use edof_device::board::{Part, Resources};
 use edof_device::design::memory::Set;
+use edof_device::video::VideoTiming;
 use edof_golden::cycle::estimate::{Estimate, estimate};
 use edof_golden::cycle::{Cycle, CycleError, Patch, Summary};
 use edof_golden::video::figures::{CoreCycles, Figures, Periods, figures};
@@ -165,6 +166,12 @@ impl<'a> Estimated<'a> {
         &self.design.board.part
     }
 
+    /// Returns what passes from cable to cable, where frames are of a video mode's size.
+    #[must_use]
+    pub fn on_cables(&self) -> Option<&Figures> {
+        self.board.as_ref().filter(|_| VideoTiming::mode(self.design.frame).is_some())
+    }
+
     /// Frames per second at the given cycles per patch.
     #[must_use]
     pub fn rate(&self, cycles: f64) -> f64 {
@@ -174,7 +181,7 @@ impl<'a> Estimated<'a> {
     /// All of it as `edof estimate --json` writes it.
     #[must_use]
     pub fn json(&self, weights: Option<&str>) -> Value {
-        let Self { design, measured, pairs, ahead, cycles, stages, total, board, .. } = self;
+        let Self { design, measured, pairs, ahead, cycles, stages, total, .. } = self;
         let (names, part) = (stage_names(stages.len()), self.part());
         let picture = |Picture { name, summary }: &Picture| {
             json!({
@@ -204,7 +211,7 @@ impl<'a> Estimated<'a> {
             "most_cycles_per_patch": measured.map(Measured::max_cycles),
             "frames_per_second": self.rate(*cycles),
             "limiting_stage": names[self.limiting],
-            "board": board.as_ref().map(|board| json!({
+            "board": self.on_cables().map(|board| json!({
                 "frames_per_second": board.frames_per_second,
                 "memory_written_per_second": board.written,
                 "memory_read_per_second": board.read,

@@ -140,6 +140,54 @@ fn the_directory_is_clean() {
     assert!(output.status.success(), "{}", said(&output));
 }
 
+/// The ports of `chain_axis` as the calculator's bench drives them.
+const AXI4_STREAM: &str = "chain_axis dut (
+        .aclk(clock), .aresetn(!reset), .s_axis_tvalid(window_valid), .s_axis_tready(window_ready), .s_axis_tdata(windows[sent]),
+        .s_axis_tlast(sent % WINDOW_BEATS == WINDOW_BEATS - 1), .s_axis_tuser(1'b0),
+        .m_axis_tvalid(patch_valid), .m_axis_tready(patch_ready), .m_axis_tdata(patch_data), .m_axis_tlast(patch_last), .m_axis_tuser(),
+        .write_valid(1'b0), .write_address(25'd0), .write_data(32'd0), .status_address(7'd0), .status(), .window_fault()
+    );";
+
+#[test]
+fn the_calculator_makes_the_same_patches_behind_axi4_stream_ports() {
+    let place = Place::new();
+    let folder = generated(&place);
+    let read = |file: &str| std::fs::read_to_string(folder.join(file)).unwrap();
+    let bench = read("sim/bench.sv");
+    let (head, rest) = bench.split_once("chain dut (").unwrap();
+    let (_, tail) = rest.split_once("\n    );").unwrap();
+    std::fs::write(folder.join("sim/axis.sv"), [head, AXI4_STREAM, tail].concat()).unwrap();
+    let list = read("sim/bench.f").replace("sim/bench.sv", "sim/axis.sv");
+    std::fs::write(folder.join("axis.f"), list + "axi4_stream/chain_axis.v\n").unwrap();
+    let line = ["-g2012", "-Wno-timescale", "-s", "edof_bench", "-o", "axis", "-c", "axis.f"];
+    let compiled = run("iverilog", &line, &folder);
+    assert!(compiled.status.success(), "{}", said(&compiled));
+    let output = run("vvp", &["axis"], &folder);
+    assert!(said(&output).contains("PASS: 12 patches"), "{}", said(&output));
+}
+
+#[test]
+fn modules_with_axi4_stream_ports_have_the_widths_of_what_they_hold() {
+    let place = Place::new();
+    let folder = generated(&place);
+    let modules = read_list(&folder);
+    for top in ["chain_axis", "stream_core_axis"] {
+        let file = format!("axi4_stream/{top}.v");
+        let mut line =
+            vec!["--lint-only", "-Wall", "-Wno-PINCONNECTEMPTY", "-Wno-PROCASSINIT", "--top-module", top];
+        line.extend(["lint.vlt", file.as_str()]);
+        line.extend(modules.iter().map(String::as_str));
+        let output = run("verilator", &line, &folder);
+        assert!(output.status.success(), "{}", said(&output));
+    }
+}
+
+/// The modules of a generated folder but its top.
+fn read_list(folder: &Path) -> Vec<String> {
+    let list = std::fs::read_to_string(folder.join("sim/bench.f")).unwrap();
+    list.lines().filter(|line| line.starts_with("rtl/")).map(str::to_owned).collect()
+}
+
 #[test]
 fn the_top_elaborates_with_the_memory_controller_as_a_black_box() {
     let place = Place::new();

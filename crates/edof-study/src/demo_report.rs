@@ -46,7 +46,7 @@ impl Demo {
         Ok(report)
     }
 
-    /// Ours against the best of the others, where we lose, and the codes that are read, in words.
+    /// Whether network and mask pay here, ours against the best of the others, where we lose, and the codes that are read, in words.
     #[must_use]
     pub fn verdict(&self) -> String {
         let codes = self.codes.as_ref().map_or_else(String::new, |CodesRead { of, read }| {
@@ -56,7 +56,7 @@ impl Demo {
                 each.collect::<Vec<_>>().join(", ")
             )
         });
-        pictures::verdict(&self.pictures) + &codes
+        pictures::answer(&self.pictures) + &pictures::verdict(&self.pictures) + &codes
     }
 
     fn figure_by_depth(&self) -> Result<Figure, DemoError> {

@@ -259,6 +259,46 @@ pub fn best(pictures: &[Picture]) -> Vec<(usize, usize)> {
 /// Depths where another is better by less than this many dB are no loss.
 const TIE_DB: f64 = 0.05;
 
+/// Differences below this many dB decide nothing.
+const MATTERS_DB: f64 = 0.3;
+
+/// Returns whether the network and the mask of the last picture are worth having for such a scene: the network against demosaicing behind the same
+/// lens, the mask against the best picture behind another lens.
+#[must_use]
+pub fn answer(pictures: &[Picture]) -> String {
+    let Some((ours, others)) = pictures.split_last() else { return String::new() };
+    let db = |p: &Picture| p.picture.psnr_db();
+    let best = |wanted: &dyn Fn(&Picture) -> bool| {
+        others.iter().filter(|p| wanted(p)).max_by(|a, b| db(a).total_cmp(&db(b)))
+    };
+    let rival = best(&|p| p.lens != ours.lens);
+    let plain = rival.and_then(|rival| best(&|p| p.lens == rival.lens && p.treatment != rival.treatment));
+    let network = plain.zip(rival).map(|(plain, rival)| {
+        let gain = db(rival) - db(plain);
+        let word = if gain > MATTERS_DB { "yes" } else { "no" };
+        format!("The network: {word}, {gain:+.1} dB against {} behind the {}. ", plain.treatment, plain.lens)
+    });
+    let mask = rival.map(|rival| {
+        let worst = |p: &Picture| p.psi_db.iter().map(|d| d[1]).fold(f64::INFINITY, f64::min);
+        let (average, worst) = (db(ours) - db(rival), worst(ours) - worst(rival));
+        let word = match (average > -MATTERS_DB, worst > MATTERS_DB) {
+            (true, true) => "yes",
+            (false, true) => "only if the worst depth counts",
+            (_, false) if average > MATTERS_DB => "only if the average counts",
+            (_, false) => "no",
+        };
+        format!(
+            "The mask: {word}, {average:+.1} dB on average and {worst:+.1} dB at the worst depth against the {}, {}. \
+             Other scenes and light: edof optics advise. ",
+            rival.lens, rival.treatment
+        )
+    });
+    match (network, mask) {
+        (network, Some(mask)) => format!("For such a scene and light. {}{mask}", network.unwrap_or_default()),
+        _ => String::new(),
+    }
+}
+
 /// The last picture, which is ours, against the best of the others, and where it loses, in words.
 #[must_use]
 pub fn verdict(pictures: &[Picture]) -> String {
@@ -335,6 +375,35 @@ mod tests {
         pictures[0].psi_db[0][1] = 32.0;
         let twice = verdict(&pictures);
         assert!(twice.ends_with(" by 1.0 dB, at ψ = 3.0 by 1.5 dB (clear, demosaiced)."), "{twice}");
+    }
+
+    #[test]
+    fn the_answer_is_yes_only_where_it_pays() {
+        let mut pictures = demo().pictures;
+        let mut restored = pictures[0].clone();
+        restored.treatment = "reconstructed".into();
+        pictures.insert(1, restored);
+        let mut told = |plain: f64, clear: f64, coded: f64, worst: f64| {
+            for (picture, db) in pictures.iter_mut().zip([plain, clear, coded]) {
+                picture.psi_db.iter_mut().for_each(|d| d[1] = db);
+                picture.picture = picture.picture.with("psnr_db", db);
+            }
+            pictures[2].psi_db[3][1] = worst;
+            answer(&pictures)
+        };
+        let yes = told(30.0, 34.0, 34.1, 35.0);
+        assert!(yes.contains("The network: yes, +4.0 dB against demosaiced behind the clear. "), "{yes}");
+        let mask = |told: String| {
+            told.split_once("The mask: ").unwrap().1.split_once(", +").map(|(word, _)| word.to_owned())
+        };
+        assert_eq!(mask(told(30.0, 34.0, 34.5, 34.4)).as_deref(), Some("yes"));
+        assert_eq!(mask(told(30.0, 34.0, 34.5, 34.1)).as_deref(), Some("only if the average counts"));
+        let no = told(34.0, 34.1, 33.0, 32.0);
+        assert!(
+            no.contains("The network: no, +0.1 dB")
+                && no.contains("The mask: no, -1.1 dB on average and -2.1 dB at"),
+            "{no}"
+        );
     }
 
     #[test]

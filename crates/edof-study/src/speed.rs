@@ -212,9 +212,14 @@ impl Speed {
         }
     }
 
+    /// Whether CPU seconds are known of any method.
+    fn has_cpu_seconds(&self) -> bool {
+        self.points.iter().any(|p| p.cpu_seconds_per_megapixel.is_some())
+    }
+
     /// What [`Point::cost`] is.
     fn cost_in_words(&self) -> &'static str {
-        if self.points.iter().any(|p| p.cpu_seconds_per_megapixel.is_some()) {
+        if self.has_cpu_seconds() {
             "CPU seconds per megapixel, all threads; .board: cycles at the planned clock"
         } else {
             "seconds per megapixel"
@@ -281,6 +286,11 @@ impl Point {
     /// CPU seconds per megapixel, independent of other work on the machine, where they are known.
     fn cost(&self) -> f64 {
         self.cpu_seconds_per_megapixel.unwrap_or(self.seconds_per_megapixel)
+    }
+
+    /// Whether its cost is wall-clock time, as that of a program of somebody else; the board's is cycles.
+    fn is_wall_clock(&self) -> bool {
+        self.cpu_seconds_per_megapixel.is_none() && self.identity.format != Some(Format::Board)
     }
 
     /// Of the PSNR's mean over photographs.

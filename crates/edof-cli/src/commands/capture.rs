@@ -423,6 +423,9 @@ impl Args {
     }
 }
 
+/// Depths whose blurs are printed; of more, the first and the last are.
+const SHOWN_DEPTHS: usize = 4;
+
 fn tell(captured: &Captured, camera: &Camera, ui: &Ui) -> Result<(), Error> {
     let Captured { scene, width, height, seconds, .. } = captured;
     if let Some(exposure) = captured.exposure {
@@ -430,12 +433,22 @@ fn tell(captured: &Captured, camera: &Camera, ui: &Ui) -> Result<(), Error> {
     }
     let depths = count(captured.depths.len(), "depth");
     ui.say(format!("{scene}: {width}x{height}, {depths}, {seconds:.2} s"))?;
-    for depth in &captured.depths {
+    let (first, last) = (captured.depths.first(), captured.depths.last());
+    let ends = [first, last.filter(|_| captured.depths.len() > 1)].into_iter().flatten();
+    let left_out = captured.depths.len().saturating_sub(SHOWN_DEPTHS);
+    let shown: Vec<_> = if left_out == 0 { captured.depths.iter().collect() } else { ends.collect() };
+    for depth in shown {
         let metres = camera.nominal_m.and_then(|nominal| distance_m(camera, depth.psi, nominal));
         let metres = metres.map_or(String::new(), |metres| format!(", {metres:.2} m"));
         for (channel, kernel) in ["red", "green", "blue"].into_iter().zip(&depth.channels) {
             ui.say(format!("  psi {:5.2}{metres} {channel:5}: {}", depth.psi, blur_in_words(kernel)))?;
         }
+    }
+    if left_out > 0 {
+        ui.say(format!(
+            "  and {} between them; --json has the blur of each",
+            count(captured.depths.len() - 2, "depth")
+        ))?;
     }
     for cost in &captured.approximations {
         ui.say(format!(

@@ -111,7 +111,7 @@ pub struct Args {
     #[arg(long)]
     icarus: bool,
 
-    /// Use the Verilog of this folder, written by edof generate (or rtl in it) and possibly changed since, instead of newly generated Verilog
+    /// Use the Verilog of this folder, written by edof generate (or rtl in it) and possibly changed since, instead of newly generated Verilog. It must be of the design; with --weights its memory images must be those of the network
     #[arg(long, value_name = "DIR")]
     rtl: Option<PathBuf>,
 
@@ -146,9 +146,13 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = files.keeps(args.force);
     files.writes("--waveform", waveform_file(&args, Waveform::best())).check()?;
     let start = Instant::now();
+    args.rtl.iter().try_for_each(|folder| args.system.check_folder(folder))?;
     let design = args.system.design(designs::load(&args.design)?)?;
     ui.used(designs::input(&design));
     let network = network::of_design(&design, &args.design, args.weights.as_deref(), args.seed, ui)?;
+    if let Some(folder) = &args.rtl {
+        cosim_system::check_rtl(folder, &design, args.weights.is_some().then_some(&network))?;
+    }
     if args.system.system {
         let shot = args.shot();
         let raw = shot.frame(&network, ui)?;

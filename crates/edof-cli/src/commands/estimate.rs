@@ -78,7 +78,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
 }
 
 fn tell(design: &Design, estimated: &Estimated<'_>, ui: &Ui) -> Result<(), Error> {
-    let Estimated { pairs, ahead, cycles, limiting, stages, total, board, .. } = estimated;
+    let Estimated { pairs, ahead, cycles, limiting, stages, total, .. } = estimated;
     let (cycles, frames) = (*cycles, estimated.rate(*cycles));
     let (names, part) = (stage_names(stages.len()), estimated.part());
     let cells = part.named(total);
@@ -104,7 +104,7 @@ fn tell(design: &Design, estimated: &Estimated<'_>, ui: &Ui) -> Result<(), Error
         100.0 * share,
         part.name
     ))?;
-    ui.say(match board {
+    ui.say(match estimated.on_cables() {
         Some(board) => format!(
             "from HDMI in to HDMI out: {:.1} frames per second, latency {:.1} to {:.1} ms; memory {:.0} MB/s written, {:.0} MB/s read",
             board.frames_per_second,
@@ -112,6 +112,10 @@ fn tell(design: &Design, estimated: &Estimated<'_>, ui: &Ui) -> Result<(), Error
             1e3 * board.latency[1],
             board.written / 1e6,
             board.read / 1e6
+        ),
+        None if design.board.is_cabled() => format!(
+            "{}x{} is no video mode of board {}: frames per second are the calculator's, for a source of your own (docs/own-design.md)",
+            design.frame.width, design.frame.height, design.board.name
         ),
         None => format!("board {} takes no video by cable: frames per second are the calculator's", design.board.name),
     })?;

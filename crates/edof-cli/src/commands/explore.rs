@@ -14,9 +14,11 @@ use edof_core::Noise;
 use edof_core::words::{count, number};
 use edof_cosim::explore::{self, Folding, Pairs, any_folding};
 use edof_device::Design;
+use edof_device::design::FrameSize;
 use edof_golden::Golden;
 use edof_golden::cycle::Cycle;
 use edof_golden::cycle::explore::front;
+use edof_io::raw::Size;
 use edof_network::FixedNetwork;
 use edof_study::metrics::{BORDER, psnr, shown};
 use serde_json::json;
@@ -27,13 +29,14 @@ use std::path::{Path, PathBuf};
 ///
 /// A folding is the number of lanes (outputs computed at once) and rows (values multiplied per cycle in each lane) of every stage.
 /// Each network runs on every picture at every depth with its own camera. The number of values that each stage multiplies per patch
-/// then determines the cycles of a folding. A design sets clock and picture size; the board of the design sets the device.
+/// then determines the cycles of a folding. A design sets clock and picture size, unless --clock-mhz and --size do; the board of the design sets the device.
 #[derive(clap::Args)]
 #[group(skip)]
 #[command(after_help = "Examples:
   edof explore --weights edof-t4w12-outer
   edof explore --weights edof-t4w12,edof-t4w12-outer --photo a.png --psi 0,4,8 --fps 60
-  edof explore --weights mine.fixed.safetensors --fps 30 --out mine.json")]
+  edof explore --weights mine.fixed.safetensors --fps 30 --out mine.json
+  edof explore --weights mine.fixed.safetensors --size 640x480 --fps 30 --out mine.json")]
 pub struct Task {
     #[command(flatten)]
     measured: Args,
@@ -53,6 +56,14 @@ pub struct Args {
     /// Design that sets clock and picture size, by name or file
     #[arg(long, value_name = "NAME|FILE", default_value = "kc705")]
     design: String,
+
+    /// Size of a picture in pixels [default: the design's]
+    #[arg(long, value_name = "WIDTHxHEIGHT")]
+    size: Option<Size>,
+
+    /// Clock of the calculator in MHz [default: the design's]
+    #[arg(long, value_name = "MHZ")]
+    clock_mhz: Option<f64>,
 
     /// Required frames per second; edof explore lists slower foldings only if none is fast enough
     #[arg(long, default_value_t = 60.0)]
@@ -122,6 +133,13 @@ pub fn run(task: Task, ui: &Ui) -> Result<(), Error> {
     let names = [part.multiplier.name, part.memory.name];
     let widths = names.map(|name| name.len().max(7));
     ui.say(format!(
+        "on {}; frames per second of {}x{} at {} MHz, measured on these pictures: other pictures have other zeros",
+        args.pictures(),
+        base.frame.width,
+        base.frame.height,
+        number(base.clock_mhz)
+    ))?;
+    ui.say(format!(
         "   dB  cycles   worst  frames/s  {:>2$}  {:>3$}  network, lanes x rows",
         names[0], names[1], widths[0], widths[1]
     ))?;
@@ -189,7 +207,7 @@ impl Args {
         if let Some(twice) = self.weights.iter().find(|name| !names.insert(*name)) {
             return Err(Error::message(format!("--weights: {twice} is given twice")));
         }
-        let base = designs::load(&self.design)?;
+        let base = self.base()?;
         let part = base.board.part.name.to_lowercase();
         if let Some(device) = self.device.as_ref().filter(|device| !device.eq_ignore_ascii_case(&part)) {
             let name = &base.name;
@@ -212,6 +230,20 @@ impl Args {
             )));
         }
         Ok((base, found))
+    }
+
+    /// The design, with the size and the clock that are stated.
+    fn base(&self) -> Result<Design, Error> {
+        let mut base = designs::load(&self.design)?;
+        if let Some(Size { width, height }) = self.size {
+            base.frame = FrameSize { width, height, ..base.frame };
+            base.check().map_err(|e| said::instead(&format!("--size {width}x{height}"), &e))?;
+        }
+        if let Some(clock) = self.clock_mhz {
+            base.clock_mhz = clock;
+            base.check().map_err(|e| said::instead(&format!("--clock-mhz {}", number(clock)), &e))?;
+        }
+        Ok(base)
     }
 
     /// Frames per second that are required.

@@ -182,7 +182,10 @@ fn announce(
 ) -> Result<(), Error> {
     let size = pictures.first().map_or((0, 0), |(_, picture)| picture.size());
     let seconds = Calibration::expected_time(network, frames, size)?.as_secs_f64();
-    let line = format!("ranges are measured on {frames} of {of} frames (--frames): about {}", span(seconds));
+    let line = format!(
+        "ranges are measured on {frames} of {of} frames (--frames): about {}, and about as long for the comparison of floats and integers",
+        span(seconds)
+    );
     ui.status(line, &json!({ "frames": frames, "of": of, "seconds": seconds }));
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! `edof stream`: from a stream of raw frames to a stream of pictures.
 
-use crate::commands::reconstruct::{Gamma, of_other_tone};
+use crate::commands::reconstruct::{Gamma, of_other_tone, option};
 use crate::commands::sensor;
 use crate::error::Error;
 use crate::files::Files;
@@ -15,7 +15,8 @@ use edof_core::words::count;
 use edof_core::{CfaPhase, Noise, Tone};
 use edof_io::levels::{Black, Levels};
 use edof_io::packing::{ByteOrder, Packing};
-use edof_io::raw::{self, Size};
+use edof_io::raw::{self, Alignment, Size};
+use edof_io::record::{self, Contradiction, Stated};
 use edof_io::rendering::{ColourMatrix, WhiteBalance};
 use edof_io::y4m::Rate;
 use edof_network::network::Origin;
@@ -60,6 +61,10 @@ pub struct Args {
     /// Bits per sensor value in words of 16 bits, 8 to 16, at the bottom of each word [default: 16]
     #[arg(long = "bit-depth", value_name = "BITS")]
     depth: Option<u32>,
+
+    /// Bytes from the beginning of one line to that of the next, where lines are padded (V4L2's bytesperline) [default: those of its pixels]
+    #[arg(long, value_name = "BYTES")]
+    line_bytes: Option<usize>,
 
     /// Byte order of words
     #[arg(long, value_parser = raw_words::byte_order(), default_value = "little")]
@@ -132,6 +137,9 @@ impl FromStr for Balanced {
     }
 }
 
+/// Largest values of words below this one are called dark.
+const DARK: u16 = 1 << 14;
+
 /// Bytes that show a format.
 const HEAD: u64 = 16;
 
@@ -154,11 +162,17 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     job.check().map_err(|error| args.failed(&error))?;
     let input = args.input()?;
     args.check_length(&job.layout)?;
+    args.check_record()?;
     // Said once, after what may be refused.
     let network = Cell::new(Some(trained_for(&name, &job.network.origin)));
-    let name_network = || network.take().into_iter().for_each(|line| ui.note(line));
+    let name_network = |pace: &Pace| {
+        network.take().into_iter().for_each(|line| {
+            ui.note(line);
+            args.dark_words(pace).into_iter().for_each(|line| ui.note(line));
+        });
+    };
     let tell = |pace: &Pace| {
-        name_network();
+        name_network(pace);
         ui.status(in_words(pace), &json!({ "stream": pace }));
     };
     let done =
@@ -174,7 +188,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
             count(pace.frames as usize, "picture")
         ));
     }
-    name_network();
+    name_network(pace);
     ui.status(format!("in all {}", in_words(pace)), &json!({ "streamed": pace }));
     ui.json(pace)?;
     if done.is_stopped { Err(Error::Interrupted) } else { Ok(()) }
@@ -259,6 +273,7 @@ impl Args {
                 depth: self.depth,
                 phase: self.phase,
                 levels: Levels { black: self.black_level, white: self.white_level },
+                line_bytes: self.line_bytes,
             },
             sensor: sensor::opened(self.sensor.as_deref(), ui)?,
             network: fixed,
@@ -288,6 +303,48 @@ impl Args {
                 self.size,
                 self.packing.name()
             ))),
+        }
+    }
+
+    /// Returns what to do where words seem to hold fewer bits than 16, which would make dark pictures.
+    fn dark_words(&self, pace: &Pace) -> Option<String> {
+        let is_stated = self.depth.is_some() || self.white_level.is_some() || self.sensor.is_some();
+        let largest = pace.largest_value;
+        (self.packing == Packing::Words && !is_stated && pace.frames > 0 && largest < DARK).then(|| {
+            let bits = (u16::BITS - largest.leading_zeros()).clamp(8, 16);
+            format!(
+                "the largest value of the first frame is {largest} of 65535, so pictures are dark; if the sensor has fewer than 16 bits, state them, \
+                 as in --bit-depth {bits}"
+            )
+        })
+    }
+
+    /// Rejects options that contradict the record beside a file of frames.
+    fn check_record(&self) -> Result<(), Error> {
+        if is_standard(&self.raw) || !self.raw.is_file() {
+            return Ok(());
+        }
+        let Some(record) = record::load(&self.raw)?.record() else { return Ok(()) };
+        // Values at the top of their words are words of 16 bits to a stream.
+        let is_top = record.alignment == Alignment::Top;
+        let levels = |level| Some(level).filter(|_| self.sensor.is_none());
+        let stated = Stated {
+            phase: Some(self.phase),
+            depth: Some(self.depth.unwrap_or_else(|| self.packing.bits())).filter(|_| !is_top),
+            size: Some(self.size),
+            packing: Some(self.packing),
+            black_level: levels(self.black_level).filter(|_| !is_top),
+            ..Stated::default()
+        };
+        match record.contradictions(&self.raw, &stated).into_iter().next() {
+            None => Ok(()),
+            Some(Contradiction { path, field, given, recorded }) => {
+                let option = option(field);
+                Err(Error::message(format!(
+                    "{option} {given}: {} says {recorded}; state {option} {recorded}, or move that file elsewhere",
+                    path.display()
+                )))
+            }
         }
     }
 
@@ -343,6 +400,7 @@ impl Args {
             StreamError::Frame(_) if self.depth.is_some() => format!("--bit-depth, --size: {error}"),
             StreamError::Frame(_) | StreamError::Geometry(_) => format!("--size {}: {error}", self.size),
             StreamError::Network(_) | StreamError::Thread(_) => error.to_string(),
+            StreamError::LineBytes { .. } => format!("--line-bytes: {error}"),
             StreamError::Cut { .. }
             | StreamError::Read { .. }
             | StreamError::Value { .. }

@@ -1,7 +1,10 @@
 //! The Verilog of a folder in place of what was just generated: as `edof generate` wrote it, or as somebody changed it.
 
 use crate::error::{Error, at};
+use edof_core::storage::folder::MANIFEST;
+use edof_device::Design;
 use edof_hdl::project::Project;
+use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -45,6 +48,56 @@ pub fn with_verilog_of(project: Project, folder: &Path) -> Result<Project, Error
     Ok(Project { verilog, sources, ..project })
 }
 
+/// Checks that a folder of `edof generate` is of a design, and that its memories start with these images. A folder without a manifest states no design;
+/// images that it does not have are no difference.
+///
+/// # Errors
+/// The first field or word that differs.
+pub fn check(folder: &Path, design: &Design, images: &[(String, String)]) -> Result<(), Error> {
+    let places = [folder.to_owned(), folder.join("..")];
+    let Some(whole) = places.into_iter().find(|place| place.join(MANIFEST).is_file()) else { return Ok(()) };
+    let manifest = whole.join(MANIFEST);
+    let text = fs::read_to_string(&manifest).map_err(at(&manifest))?;
+    let other = serde_json::from_str::<Value>(&text)
+        .ok()
+        .and_then(|mut about| about.get_mut("design").map(Value::take));
+    let own = serde_json::to_value(design).unwrap_or_default();
+    if let Some(field) = other.as_ref().and_then(|other| first_difference(&own, other)) {
+        let value = |of: &Value| of.get(&field).map_or("nothing".to_owned(), Value::to_string);
+        return Err(Error::Port(format!(
+            "{}: is of another design, {field} is {}, expected {}; name the design that it was generated from by --design",
+            folder.display(),
+            other.as_ref().map_or_else(String::new, value),
+            value(&own)
+        )));
+    }
+    images.iter().try_for_each(|(path, expected)| same_words(&whole.join(path), expected))
+}
+
+/// Returns the first field but the name that two designs have otherwise.
+fn first_difference(own: &Value, other: &Value) -> Option<String> {
+    let fields = |value: &Value| value.as_object().map(|fields| fields.keys().cloned().collect::<Vec<_>>());
+    let all = [own, other].into_iter().filter_map(fields).flatten();
+    all.filter(|field| field != "name").find(|field| own.get(field) != other.get(field))
+}
+
+/// Checks that a memory image has the words that are expected.
+fn same_words(path: &Path, expected: &str) -> Result<(), Error> {
+    let Ok(found) = fs::read_to_string(path) else { return Ok(()) };
+    let words = |text: &str| text.lines().map(str::trim).map(str::to_lowercase).collect::<Vec<_>>();
+    let (found, expected) = (words(&found), words(expected));
+    let differs = (0..found.len().max(expected.len())).find(|line| found.get(*line) != expected.get(*line));
+    let Some(line) = differs else { return Ok(()) };
+    let word = |of: &[String]| of.get(line).cloned().unwrap_or_else(|| "nothing".to_owned());
+    Err(Error::Port(format!(
+        "{}, line {}: {}, expected {} of the network of --weights; generate the folder again, or name its network by --weights",
+        path.display(),
+        line + 1,
+        word(&found),
+        word(&expected)
+    )))
+}
+
 /// Finds the folder of the top module: this one, or `rtl` in it.
 fn verilog_folder(top: &str, folder: &Path) -> Result<PathBuf, Error> {
     let file = format!("{top}.v");
@@ -80,6 +133,30 @@ fn is_module(folder: &Path, word: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_folder_is_of_a_design_and_of_the_words_of_a_network() {
+        let folder = tempfile::tempdir().unwrap();
+        let rtl = folder.path().join("rtl");
+        fs::create_dir(&rtl).unwrap();
+        let design = Design::from_json(include_str!("../../../../designs/tiny.json")).unwrap();
+        let images = [("word.mem".to_owned(), "0a\nff\n".to_owned())];
+        let told = |design: &Design| check(&rtl, design, &images).map_err(|e| e.to_string());
+        // Nothing states anything.
+        assert_eq!(told(&design), Ok(()));
+        let manifest = serde_json::json!({ "design": design }).to_string();
+        fs::write(folder.path().join(MANIFEST), manifest).unwrap();
+        fs::write(folder.path().join("word.mem"), "0A\nff\n").unwrap();
+        assert_eq!(told(&Design { name: "other".into(), ..design.clone() }), Ok(()));
+        let faster = Design { clock_mhz: 1.5, ..design.clone() };
+        assert!(told(&faster).unwrap_err().contains("another design, clock_mhz is "), "{:?}", told(&faster));
+        fs::write(folder.path().join("word.mem"), "0a\nfe\n").unwrap();
+        assert!(
+            told(&design).unwrap_err().contains("word.mem, line 2: fe, expected ff of"),
+            "{:?}",
+            told(&design)
+        );
+    }
 
     #[test]
     fn models_of_cells_are_those_beside_the_verilog() {

@@ -21,7 +21,11 @@ impl Speed {
                 let found = self.points.iter().find(|point| point.method == method && group.hold(point));
                 found.map_or_else(
                     || [DASH, DASH].map(str::to_owned),
-                    |point| [cell((point.psnr_db, point.standard_error())), format!("${:.3}$", point.cost())],
+                    |point| {
+                        let mark = if self.has_cpu_seconds() && point.is_wall_clock() { "^*" } else { "" };
+                        let cost = format!("${:.3}{mark}$", point.cost());
+                        [cell((point.psnr_db, point.standard_error())), cost]
+                    },
                 )
             };
             std::iter::once(escaped(method)).chain(self.claims.iter().flat_map(of)).collect()
@@ -30,9 +34,11 @@ impl Speed {
             let tone = if *tone == Tone::Srgb { ", real light" } else { "" };
             format!("$\\psi = {psi}$, {}{tone}", noise_in_latex(*noise))
         });
+        let starred = self.has_cpu_seconds() && self.points.iter().any(Point::is_wall_clock);
         let remarks = format!(
-            "{made}\nPSNR in dB, mean and standard error over photographs. s/MP: {}; on {}.",
+            "{made}\nPSNR in dB, mean and standard error over photographs. s/MP: {}{}; on {}.",
             self.cost_in_words(),
+            if starred { "; with *: wall-clock seconds" } else { "" },
             self.machine
         );
         tabular(&remarks, &["method"], groups, &["dB", "s/MP"].map(str::to_owned), rows)

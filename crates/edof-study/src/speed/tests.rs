@@ -113,8 +113,20 @@ fn a_paper_has_the_standard_errors_and_the_times_of_each_method() {
          \\multicolumn{2}{c}{$\\psi = 8$, $\\sigma = 0.01$, real light} \\\\\n\
          method & dB & s/MP & dB & s/MP \\\\\n\\midrule\n\
          omp/s8 & $33.00 \\pm 2.08$ & $9.000$ & $29.00 \\pm 2.08$ & $9.000$ \\\\\n\
-         demosaic-malvar & $29.00$ & $0.014$ & -- & -- \\\\\n\
+         demosaic-malvar & $29.00$ & $0.014^*$ & -- & -- \\\\\n\
          \\bottomrule\n\\end{tabular}\n";
     assert!(latex.ends_with(expected), "{latex}");
     assert!(latex.contains("% PSNR in dB") && latex.contains("on a machine."), "{latex}");
+}
+
+#[test]
+fn a_time_that_is_no_cpu_time_is_marked_in_a_paper_that_has_both() {
+    let row = timed(&Method::demosaic(), "a", 29.0, 0.5);
+    let omp = timed(&Method::of_patches(Family::Omp, 8), "a", 31.0, 6.0);
+    let latex =
+        |rows: &[Row]| Speed::new(rows, "m".into()).unwrap().to_latex(&Made::by("edof study single-depth"));
+    let both = latex(&[omp, row.clone()]);
+    assert!(both.contains("^*$") && both.contains("with *: wall-clock seconds; on m."), "{both}");
+    assert_eq!(both.matches("^*$").count(), 1);
+    assert!(!latex(&[row]).contains('*'));
 }

@@ -104,7 +104,8 @@ impl SensorJob {
     /// Returns how the frames of a headerless file lie and how many they are, if it holds more than one.
     fn several(&self, path: &Path) -> Option<(Layout, u64)> {
         let RawOptions { phase, depth, size, order, packing, alignment } = self.options;
-        let layout = Layout { size: size?, packing, order, depth, phase, levels: Levels::default() };
+        let layout =
+            Layout { size: size?, packing, order, depth, phase, levels: Levels::default(), line_bytes: None };
         let is_headerless = |format: &RawFormat| matches!(format.read, Reading::Headerless(_));
         let length = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?.len();
         let (count, rest) = (length / layout.bytes() as u64, length % layout.bytes() as u64);

@@ -151,13 +151,17 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
     let before = values_in_use(&board, &design, &known);
     let start = Instant::now();
     let (bar, mut words) = (ui.progress(0, "words"), 0);
-    let loaded = board
-        .load(&job, &mut |done, total| {
-            words = total;
-            bar.of(done, total);
-            interrupt::flow()
-        })
-        .map_err(of)?;
+    let loaded = board.load(&job, &mut |done, total| {
+        words = total;
+        bar.of(done, total);
+        interrupt::flow()
+    });
+    if design.sets == 1 && matches!(loaded, Err(edof_board::Error::Interrupted)) {
+        ui.note(
+            "the board's only set of weights is half written: it makes no frames until a load is complete",
+        );
+    }
+    let loaded = loaded.map_err(of)?;
     bar.of(words, words);
     let in_use = loaded.in_use == loaded.bank;
     let needed = match load.curve {
@@ -240,7 +244,8 @@ fn plan(
     held: Option<&[u32]>,
     ui: &Ui,
 ) -> Result<(), Error> {
-    let plan = dry_run::plan(job, bank, held, args.baud).map_err(of)?;
+    let own = args.baud_of(job.design);
+    let plan = dry_run::plan(job, bank, held, own).map_err(of)?;
     ui.say(format!(
         "{} into bank {}: {} of {} parts, {} words, {} bytes there and {} back in {} turns",
         job.network.origin.name,
@@ -257,12 +262,12 @@ fn plan(
         plan.seconds, plan.baud
     ))?;
     let mut rates = vec![];
-    for baud in RATES.into_iter().filter(|baud| *baud != args.baud) {
+    for baud in RATES.into_iter().filter(|baud| *baud != own) {
         let seconds = dry_run::plan(job, bank, held, baud).map_err(of)?.seconds;
         ui.say(format!("{seconds:.2} s at {baud}"))?;
         rates.push(json!({ "baud": baud, "seconds": seconds }));
     }
-    let tables = load.curve.map(|curve| dry_run::tables(&display(curve), job.design.clock_mhz, args.baud));
+    let tables = load.curve.map(|curve| dry_run::tables(&display(curve), job.design.clock_mhz, own));
     if let Some((words, seconds)) = tables {
         ui.say(format!("display tables: {words} words, {seconds:.2} s"))?;
     }

@@ -17,9 +17,9 @@ use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
 use edof_board::contents::letter;
-use edof_board::line::{self, DEFAULT_BAUD, Serial};
+use edof_board::line::{self, Serial};
 use edof_board::names::{Place, number};
-use edof_board::{Board, link};
+use edof_board::{Board, Line, link};
 use edof_core::DisplayMode;
 use edof_core::words::number as short;
 use edof_device::Design;
@@ -54,9 +54,9 @@ pub struct Args {
     #[arg(long, global = true, value_name = "PATH")]
     port: Option<String>,
 
-    /// Bits per second on the line
-    #[arg(long, global = true, default_value_t = DEFAULT_BAUD, value_name = "BITS", value_parser = clap::value_parser!(u32).range(1..))]
-    baud: u32,
+    /// Bits per second on the line [default: those of the board of --design; without --design those of each board, one after the other]
+    #[arg(long, global = true, value_name = "BITS", value_parser = clap::value_parser!(u32).range(1..))]
+    baud: Option<u32>,
 
     /// Extra response time in seconds, beyond the time on the line
     #[arg(long = "timeout", alias = "patience", global = true, default_value_t = link::PATIENCE.as_secs_f64(), value_name = "SECONDS")]
@@ -293,8 +293,39 @@ impl Args {
         Duration::from_secs_f64(self.patience)
     }
 
+    /// Opens the board at a port, at the first speed at which it answers.
     fn open_at(&self, port: &str) -> Result<Board<Serial>, Error> {
-        Board::open(Serial::open(port, self.baud)?, self.patience()).map_err(of)
+        let mut why = None;
+        for baud in self.bauds()? {
+            interrupt::check()?;
+            match Board::open(Serial::open(port, baud)?, self.patience()) {
+                Ok(board) => return Ok(board),
+                // Another speed may be the right one.
+                Err(
+                    error @ (edof_board::Error::Silent { .. }
+                    | edof_board::Error::Stranger { .. }
+                    | edof_board::Error::Noisy { .. }),
+                ) => {
+                    why.get_or_insert(error);
+                }
+                Err(error) => return Err(of(why.unwrap_or(error))),
+            }
+        }
+        Err(why.map_or_else(|| Error::message("--baud: no speed to try"), of))
+    }
+
+    /// Returns the speeds that the board's line may have.
+    fn bauds(&self) -> Result<Vec<u32>, Error> {
+        match (self.baud, self.named_design()?) {
+            (Some(baud), _) => Ok(vec![baud]),
+            (None, Some(design)) => Ok(vec![design.board.baud]),
+            (None, None) => Ok(line::bauds()),
+        }
+    }
+
+    /// Returns the speed of the line of a design's board, unless another one is stated.
+    fn baud_of(&self, design: &Design) -> u32 {
+        self.baud.unwrap_or(design.board.baud)
     }
 
     /// What is read, whatever the command, and what is written by `--json`.
@@ -414,7 +445,7 @@ fn info(args: &Args, own: &Own, ui: &Ui) -> Result<(), Error> {
     ui.say(format!("design {name} ({:08x}), {}x{}", identity.design_hash, identity.width, identity.height))?;
     let clock = design.as_ref().map(|design| design.clock_mhz);
     let told = clock.map_or("an unknown clock".to_owned(), |mhz| format!("{mhz} MHz"));
-    ui.say(format!("calculator at {told}, line {} bits per second", args.baud))?;
+    ui.say(format!("calculator at {told}, line {} bits per second", board.line().baud()))?;
     let in_use = board.bank()?;
     let mut banks = vec![];
     for bank in [Set::First, Set::Second] {

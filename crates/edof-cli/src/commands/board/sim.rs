@@ -110,11 +110,12 @@ pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
     let design = sized(designs::load(given)?, sim.size)?;
     design.check_board().and_then(|()| design.check_video()).map_err(|e| said::of_file(given, e))?;
     sim.check_video(design.board)?;
+    let baud = args.baud_of(&design);
     let network = network(&design, given, sim.weights.as_deref())?;
     let (raw, display) = (frame(&design, sim)?, Display::of_network(&network));
     let raw = raw.encoded(network.origin.values).into_owned();
     let mut device: Box<dyn Device> = if sim.rtl {
-        let with = (Speed::of(design.board, args.baud)?, 1);
+        let with = (Speed::of(design.board, baud)?, 1);
         ui.note("compiling the design with Verilator");
         let options = Options { cache: Options::user_cache(), ..Options::default() };
         if !design.board.is_cabled() {
@@ -123,8 +124,8 @@ pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
             Box::new(VerilogBoard::new(&design, [&network; 2], &display, &raw, with, &options)?)
         }
     } else {
-        let board = Simulated::new(&design, [&network; 2], &display, raw, args.baud)?;
-        Box::new(InRust::new(board, args.baud))
+        let board = Simulated::new(&design, [&network; 2], &display, raw, baud)?;
+        Box::new(InRust::new(board, baud))
     };
     interrupt::check()?;
     let mut terminal = Terminal::open(sim.link.as_deref())?;
@@ -154,14 +155,14 @@ pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
     let ([from, to], seconds) = device.carried();
     ui.say(format!(
         "{from} bytes from the host, {to} to it: {seconds:.3} s on a line of {} bits per second",
-        args.baud
+        baud
     ))?;
     ui.json(&json!({
         "kind": if sim.rtl { "rtl" } else { "rust" },
         "bytes_from_host": from,
         "bytes_to_host": to,
         "line_seconds": seconds,
-        "baud": args.baud,
+        "baud": baud,
         "mixed_pictures": device.mixed(),
     }))
 }

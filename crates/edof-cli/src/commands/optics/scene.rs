@@ -18,9 +18,17 @@ pub struct Scene {
     #[arg(default_value = "ring-outer", value_name = "CAMERA")]
     camera: String,
 
+    /// The camera, as other commands name it
+    #[arg(long = "camera", value_name = "CAMERA", conflicts_with = "camera")]
+    camera_option: Option<String>,
+
     /// Diameter of the open aperture in millimetres [default: the camera's]
     #[arg(long, value_name = "MM")]
     aperture_mm: Option<f64>,
+
+    /// Focal length divided by the diameter of the open aperture, in place of --aperture-mm
+    #[arg(long, value_name = "N", conflicts_with = "aperture_mm")]
+    f_number: Option<f64>,
 
     /// Focal length in millimetres [default: the camera's]
     #[arg(long, value_name = "MM")]
@@ -48,9 +56,14 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// The camera's preset or file.
+    fn named(&self) -> &str {
+        self.camera_option.as_deref().unwrap_or(&self.camera)
+    }
+
     /// Files that are read.
     pub fn reads(&self, files: Files) -> Files {
-        let files = files.reads(&self.camera);
+        let files = files.reads(self.named());
         self.images.iter().fold(files, Files::reads_pictures_of)
     }
 
@@ -59,10 +72,11 @@ impl Scene {
     /// # Errors
     /// An unknown camera, or a number out of range.
     pub fn camera(&self, ui: &Ui) -> Result<Camera, Error> {
-        let Lens { mut camera, .. } = lens::resolve(&self.camera, None)?;
+        let Lens { mut camera, .. } = lens::resolve(self.named(), None)?;
         ui.used(camera.input());
         for (option, value) in [
             ("--aperture-mm", self.aperture_mm),
+            ("--f-number", self.f_number),
             ("--focal-mm", self.focal_mm),
             ("--pixel-um", self.pixel_um),
         ] {
@@ -70,6 +84,9 @@ impl Scene {
         }
         camera.aperture_radius_mm = self.aperture_mm.map_or(camera.aperture_radius_mm, |mm| 0.5 * mm);
         camera.focal_length_mm = self.focal_mm.unwrap_or(camera.focal_length_mm);
+        if let Some(number) = self.f_number {
+            camera.aperture_radius_mm = 0.5 * camera.focal_length_mm / number;
+        }
         camera.pixel_pitch_um = self.pixel_um.unwrap_or(camera.pixel_pitch_um);
         match self.wavelengths[..] {
             [] => {}

@@ -205,7 +205,7 @@ fn of_record(raw: &Path, why: &str) -> Error {
 }
 
 /// The option that states a field.
-const fn option(field: Field) -> &'static str {
+pub(in crate::commands) const fn option(field: Field) -> &'static str {
     match field {
         Field::Phase => "--phase",
         Field::BitDepth => "--bit-depth",

@@ -27,6 +27,13 @@ use serde::Serialize;
 
 /// Share of the pixels of a line from which on all of it is defective.
 const WHOLE_LINE: f64 = 0.5;
+/// Largest black level as part of full scale; cameras have up to an eighth.
+const MAX_BLACK: f64 = 0.2;
+/// Largest spread of dark pixels as part of full scale, and of pixels' response to light.
+const MAX_SPREAD: f64 = 0.02;
+const MAX_RESPONSE: f64 = 0.1;
+/// Largest share of single pixels that are defective.
+const MAX_DEFECTIVE: f64 = 0.05;
 
 /// Limits and levels of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,6 +81,23 @@ pub enum MeasureError {
         found.0, found.1, found.2, expected.0, expected.1, expected.2
     )]
     OtherFrame { found: (Size, CfaPhase, u32), expected: (Size, CfaPhase, u32) },
+    /// Dark frames with light, or read by another packing than theirs.
+    #[error(
+        "dark frames: {what} {found:.0} of {full:.0}, expected at most {most:.0}; take them with the cap on the lens, and check --packing, --bit-depth and --size"
+    )]
+    NotDark { what: &'static str, found: f64, most: f64, full: f64 },
+    /// Flat frames of a scene, or read by another packing than theirs.
+    #[error(
+        "flat frames: pixels' response to light differs by {:.0} % from one to the next, expected at most {:.0} %; take them of even light, out of focus, and check --packing, --bit-depth and --size",
+        100.0 * found, 100.0 * MAX_RESPONSE
+    )]
+    NotFlat { found: f64 },
+    /// More defects than a sensor has.
+    #[error(
+        "{kind} frames: {found} of {pixels} pixels would be defective, expected at most {:.0} %; take them {how}, and check --packing, --bit-depth and --size",
+        100.0 * MAX_DEFECTIVE
+    )]
+    TooManyDefects { kind: &'static str, found: usize, pixels: usize, how: &'static str },
     /// Flat frames that show no shading.
     #[error(
         "flat frames: the light of {} is {:.1} % of full scale, expected {:.0} to {:.0} %; change exposure or light",
@@ -134,9 +158,12 @@ impl Sensor<'_> {
         for frames in self.dark.iter().chain(&self.flat) {
             frames.check(own)?;
         }
-        let mut dark = self.dark.map(|frames| dark::measured(frames, limits.hot));
-        let black = dark.as_ref().map_or(limits.black.values(), |dark| dark.black);
         let full = f64::from(1u32 << self.depth);
+        let mut dark = self.dark.map(|frames| dark::measured(frames, limits.hot));
+        if let Some(dark) = &dark {
+            self.check_dark(&dark.report, full)?;
+        }
+        let black = dark.as_ref().map_or(limits.black.values(), |dark| dark.black);
         let white = white(limits.white, black, full)?;
         let mut known = self.known.clone();
         if let Some(dark) = &mut dark {
@@ -157,6 +184,9 @@ impl Sensor<'_> {
             flat::measured(&light, frames.count, self.phase, white - black[0], limits.dead)
         });
         let flat = flat.transpose()?;
+        if let Some(flat) = &flat {
+            self.check_flat(&flat.report)?;
+        }
         let mut clipped_gains = 0;
         if let Some(flat) = &flat {
             tables.gains.indexed_iter_mut().for_each(|((at, i, j), gain)| {
@@ -185,6 +215,32 @@ impl Sensor<'_> {
             clipped_gains,
         };
         Ok((correction, report))
+    }
+
+    /// Rejects dark frames that no sensor makes without light.
+    fn check_dark(&self, dark: &DarkReport, full: f64) -> Result<(), MeasureError> {
+        let black = dark.black.into_iter().fold(0.0, f64::max);
+        let limits = [("black is", black, MAX_BLACK), ("pixels spread by", dark.pattern, MAX_SPREAD)];
+        if let Some((what, found, part)) = limits.into_iter().find(|(_, found, part)| *found > part * full) {
+            return Err(MeasureError::NotDark { what, found, most: part * full, full });
+        }
+        self.check_count("dark", dark.hot + dark.cold, "with the cap on the lens")
+    }
+
+    /// Rejects flat frames that do not show even light.
+    fn check_flat(&self, flat: &FlatReport) -> Result<(), MeasureError> {
+        if flat.response > MAX_RESPONSE {
+            return Err(MeasureError::NotFlat { found: flat.response });
+        }
+        self.check_count("flat", flat.dead, "of even light, out of focus")
+    }
+
+    fn check_count(&self, kind: &'static str, found: usize, how: &'static str) -> Result<(), MeasureError> {
+        let pixels = self.size.width * self.size.height;
+        if found as f64 > MAX_DEFECTIVE * pixels as f64 {
+            return Err(MeasureError::TooManyDefects { kind, found, pixels, how });
+        }
+        Ok(())
     }
 
     /// Adds the offsets of dark frames, in words.

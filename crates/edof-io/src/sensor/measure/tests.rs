@@ -197,3 +197,35 @@ fn frames_that_show_nothing_are_rejected_by_name() {
     let told = outside.measured(&Limits::default()).unwrap_err().to_string();
     assert_eq!(told, "defective pixel at row 0, column 160: outside of frames of 160x120");
 }
+
+#[test]
+fn a_scene_is_no_dark_frame_and_no_flat_one() {
+    let texture = |light: f64, swing: f64| {
+        let mut random = Random(5);
+        let value = |_| (light + swing * random.normal()).clamp(0.0, 4095.0) as u16;
+        let values = Array2::from_shape_fn((SIZE.height, SIZE.width), value);
+        Frames::new(&RawFrame::from_values(values, 12, CfaPhase::Grbg).unwrap())
+    };
+    let refused = |sensor: Sensor<'_>| sensor.measured(&Limits::default()).unwrap_err();
+    let (lit, scene, even) = (texture(1200.0, 3.0), texture(500.0, 200.0), texture(2000.0, 3.0));
+    let told = refused(sensor(Some(&lit), None)).to_string();
+    assert!(
+        told.starts_with("dark frames: black is 1200 of 4096, expected at most 819; take them with"),
+        "{told}"
+    );
+    assert!(matches!(
+        refused(sensor(Some(&scene), None)),
+        MeasureError::NotDark { what: "pixels spread by", .. }
+    ));
+    let rough = texture(2000.0, 500.0);
+    assert!(matches!(refused(sensor(None, Some(&rough))), MeasureError::NotFlat { .. }));
+    assert!(sensor(None, Some(&even)).measured(&Limits::default()).is_ok());
+    // Words of another packing: most pixels are as ever, the others anything.
+    let mut random = Random(3);
+    let mixed = Array2::from_shape_fn((SIZE.height, SIZE.width), |_| {
+        let value = if random.even() < 0.1 { 4000.0 * random.even() } else { 200.0 + random.even() };
+        value as u16
+    });
+    let mixed = Frames::new(&RawFrame::from_values(mixed, 12, CfaPhase::Grbg).unwrap());
+    assert!(matches!(refused(sensor(Some(&mixed), None)), MeasureError::TooManyDefects { kind: "dark", .. }));
+}

@@ -26,13 +26,66 @@ pub struct Layout {
     pub phase: CfaPhase,
     /// Sensor values of no and of full light.
     pub levels: Levels,
+    /// Bytes from the beginning of one line to that of the next, where lines are padded.
+    pub line_bytes: Option<usize>,
 }
 
 impl Layout {
     /// Returns the bytes of a frame.
     #[must_use]
     pub const fn bytes(&self) -> usize {
+        match self.line_bytes {
+            Some(bytes) => bytes * self.size.height,
+            None => self.pixel_bytes(),
+        }
+    }
+
+    /// Returns the bytes of a frame's pixels alone.
+    const fn pixel_bytes(&self) -> usize {
         self.packing.bytes(self.size.width * self.size.height)
+    }
+
+    /// Returns the bytes of a line's pixels.
+    const fn line(&self) -> usize {
+        self.packing.bytes(self.size.width)
+    }
+
+    /// Checks that lines are as long as their pixels, which a padded line holds whole.
+    pub(super) fn check(&self) -> Result<(), StreamError> {
+        let (width, pixels) = (self.size.width, self.line());
+        let is_whole =
+            (width * self.packing.bits() as usize).is_multiple_of(8) && self.line_of_whole_groups();
+        match self.line_bytes {
+            Some(found) if found < pixels || !is_whole => Err(StreamError::LineBytes {
+                found,
+                expected: pixels,
+                width,
+                packing: self.packing,
+                is_whole,
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether a line's pixels end where a group of packed pixels does.
+    const fn line_of_whole_groups(&self) -> bool {
+        let group = match self.packing {
+            Packing::Mipi10 | Packing::Bits10 => 4,
+            _ => 2,
+        };
+        self.size.width.is_multiple_of(group)
+    }
+
+    /// Takes the padding out of a frame.
+    pub(super) fn without_padding<'a>(&self, bytes: &'a [u8], memory: &'a mut Vec<u8>) -> &'a [u8] {
+        match self.line_bytes.filter(|line| *line != self.line()) {
+            None => bytes,
+            Some(line) => {
+                memory.clear();
+                bytes.chunks_exact(line).for_each(|whole| memory.extend_from_slice(&whole[..self.line()]));
+                memory
+            }
+        }
     }
 
     /// Returns the bits of the sensor.
@@ -74,6 +127,10 @@ pub(super) struct Words {
     /// The correction of the sensor, and the word of the network for each word of light.
     sensor: Option<(Arc<Correction>, Vec<u16>)>,
     memory: Vec<u16>,
+    /// A frame without the padding of its lines.
+    pixels: Vec<u8>,
+    /// Largest sensor value of the first frame.
+    largest: Option<u16>,
 }
 
 impl Words {
@@ -83,6 +140,7 @@ impl Words {
         sensor: Option<Arc<Correction>>,
         values: Tone,
     ) -> Result<Self, StreamError> {
+        layout.check()?;
         let Layout { size, phase, levels, .. } = layout;
         let tables = match &sensor {
             Some(sensor) => {
@@ -93,16 +151,18 @@ impl Words {
         };
         let encoded = || tables_of_light(phase, values);
         let sensor = sensor.map(|sensor| Ok::<_, StreamError>((sensor, encoded()?))).transpose()?;
-        Ok(Self { layout, tables, sensor, memory: vec![] })
+        Ok(Self { layout, tables, sensor, memory: vec![], pixels: vec![], largest: None })
     }
 
     /// Makes a frame of its bytes.
     pub(super) fn frame(&mut self, number: u64, bytes: &[u8]) -> Result<RawFrame, StreamError> {
         let Layout { size: Size { width, height }, packing, order, phase, .. } = self.layout;
         let mut values = std::mem::take(&mut self.memory);
+        let bytes = self.layout.without_padding(bytes, &mut self.pixels);
         packing.values_into(bytes, order, &mut values).map_err(|Stray { pixel, code }| {
             StreamError::Code { number, row: pixel / width, column: pixel % width, code }
         })?;
+        self.largest.get_or_insert_with(|| values.iter().copied().max().unwrap_or(0));
         for (row, line) in values.chunks_exact_mut(width).enumerate() {
             let [even, odd] = [0, 1].map(|column| self.tables[2 * (row % 2) + column].as_slice());
             for (pair, [left, right]) in line.as_chunks_mut().0.iter_mut().enumerate() {
@@ -125,6 +185,11 @@ impl Words {
             words.mapv_inplace(|word| encoded[usize::from(word)]);
         }
         Ok(RawFrame::from_values(words, 16, phase)?)
+    }
+
+    /// Returns the largest sensor value of the first frame, once there was one.
+    pub(super) const fn largest(&self) -> Option<u16> {
+        self.largest
     }
 
     /// Takes a frame's memory for the next one.
@@ -161,7 +226,8 @@ mod tests {
     fn layout(packing: Packing) -> Layout {
         let size = Size { width: 8, height: 4 };
         let levels = Levels { black: Black::new([64.0, 65.0, 66.0, 67.0]).unwrap(), white: Some(3900.0) };
-        Layout { size, packing, order: ByteOrder::Little, depth: None, phase: CfaPhase::Gbrg, levels }
+        let (order, phase) = (ByteOrder::Little, CfaPhase::Gbrg);
+        Layout { size, packing, order, depth: None, phase, levels, line_bytes: None }
     }
 
     #[test]
@@ -215,8 +281,37 @@ mod tests {
         assert!(layout.read(1, &mut input, &mut frame).unwrap() && frame == bytes[..32]);
         assert!(layout.read(2, &mut input, &mut frame).unwrap() && frame == bytes[32..64]);
         let told = layout.read(3, &mut input, &mut frame).unwrap_err().to_string();
-        assert_eq!(told, "frame 3: ends after 6 of 32 bytes, expected whole frames of 8x4 packed as bytes");
+        assert_eq!(
+            told,
+            "frame 3: ends after 6 of 32 bytes, expected whole frames of 8x4 packed as bytes; 2 frames before it are whole, and their pictures are kept"
+        );
         assert!(!layout.read(3, &mut &[][..], &mut frame).unwrap());
+    }
+
+    #[test]
+    fn padding_at_the_ends_of_lines_changes_no_word() {
+        for packing in [Packing::Words, Packing::Bytes, Packing::Mipi10, Packing::Bits12] {
+            let plain = Layout { levels: Levels::default(), ..layout(packing) };
+            let bytes: Vec<u8> = (0..plain.bytes()).map(|i| (i * 37 % 251) as u8).collect();
+            let line = plain.line();
+            let padded = Layout { line_bytes: Some(line + 5), ..plain };
+            let longer: Vec<u8> = bytes.chunks(line).flat_map(|line| [line, &[9; 5]].concat()).collect();
+            assert_eq!(padded.bytes(), longer.len());
+            let words = |layout, bytes: &[u8]| {
+                Words::new(layout, None, Tone::Linear).unwrap().frame(1, bytes).unwrap().into_pixels()
+            };
+            assert_eq!(words(padded, &longer), words(plain, &bytes), "{packing:?}");
+        }
+        let refused = |line_bytes, width, packing| {
+            let size = Size { width, height: 4 };
+            let layout = Layout { line_bytes: Some(line_bytes), size, ..layout(packing) };
+            Words::new(layout, None, Tone::Linear).err().map(|e| e.to_string()).unwrap_or_default()
+        };
+        assert!(
+            refused(11, 8, Packing::Bits12)
+                .starts_with("11 bytes for a line of 8 pixels, expected at least 12")
+        );
+        assert!(refused(20, 10, Packing::Mipi10).contains("do not end at a whole group"));
     }
 
     #[test]

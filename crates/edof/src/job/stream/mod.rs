@@ -84,7 +84,10 @@ pub enum VideoFormat {
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum StreamError {
     /// Bytes end inside of a frame.
-    #[error("frame {number}: ends after {found} of {expected} bytes, expected whole frames of {size} packed as {}", packing.name())]
+    #[error(
+        "frame {number}: ends after {found} of {expected} bytes, expected whole frames of {size} packed as {}; {} before it are whole, and their pictures are kept",
+        packing.name(), edof_core::words::count((*number - 1) as usize, "frame")
+    )]
     Cut { number: u64, found: usize, expected: usize, size: Size, packing: Packing },
     /// Bytes that cannot be read.
     #[error("frame {number}: cannot be read: {source}")]
@@ -102,6 +105,16 @@ pub enum StreamError {
         "frame {number}: pixel at row {row}, column {column}: byte {code} carries no part of a word, expected 64 to 191"
     )]
     Code { number: u64, row: usize, column: usize, code: u8 },
+    /// Lines shorter than their pixels, or padded where pixels share bytes with the next line's.
+    #[error(
+        "{found} bytes for a line of {width} pixels, {}",
+        if *is_whole {
+            format!("expected at least {expected} packed as {}", packing.name())
+        } else {
+            format!("whose pixels packed as {} do not end at a whole group; state no bytes for a line, or another packing", packing.name())
+        }
+    )]
+    LineBytes { found: usize, expected: usize, width: usize, packing: Packing, is_whole: bool },
     /// Frames that cannot be raw frames.
     #[error(transparent)]
     Frame(#[from] FrameError),
@@ -308,6 +321,7 @@ impl StreamJob {
                 Popped::Closed => break,
             };
             let raw = words.frame(number, &bytes)?;
+            words.largest().into_iter().for_each(|largest| shared.tally().began(largest));
             drop(shared.free.push_newest(bytes));
             let mut picture = shared.written.try_pop().unwrap_or_else(Picture::empty);
             let frame = stream.frame(&raw)?;

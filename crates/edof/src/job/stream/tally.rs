@@ -16,6 +16,8 @@ pub struct Pace {
     pub latency_ms: f64,
     /// The most.
     pub most_latency_ms: f64,
+    /// Largest sensor value of the first frame.
+    pub largest_value: u16,
 }
 
 /// Counts frames.
@@ -23,6 +25,7 @@ pub(super) struct Tally {
     second: Span,
     all: Span,
     dropped: u64,
+    largest: u16,
 }
 
 /// Buckets of latencies in a millisecond.
@@ -62,7 +65,7 @@ impl Span {
 
 impl Tally {
     pub(super) fn new(now: Instant) -> Self {
-        Self { second: Span::new(now), all: Span::new(now), dropped: 0 }
+        Self { second: Span::new(now), all: Span::new(now), dropped: 0, largest: 0 }
     }
 
     /// Counts a frame that was written.
@@ -70,6 +73,11 @@ impl Tally {
         for span in [&mut self.second, &mut self.all] {
             span.add(now - arrived);
         }
+    }
+
+    /// Notes the largest sensor value of the first frame.
+    pub(super) const fn began(&mut self, largest: u16) {
+        self.largest = largest;
     }
 
     /// Counts a frame that was left out.
@@ -99,6 +107,7 @@ impl Tally {
             dropped: self.dropped,
             latency_ms: span.quantile_ms(0.5),
             most_latency_ms: span.quantile_ms(1.0),
+            largest_value: self.largest,
         }
     }
 }

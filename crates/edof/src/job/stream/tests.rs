@@ -16,6 +16,7 @@ fn job(format: VideoFormat) -> StreamJob {
             depth: None,
             phase: CfaPhase::Grbg,
             levels: Levels { black: Black::from(64), white: None },
+            line_bytes: None,
         },
         sensor: None,
         network: edof_device::random::natural(12, 8, 3),
@@ -120,7 +121,7 @@ fn a_cut_frame_ends_the_stream_after_the_pictures_before_it() {
     let (end, found) = piped(&job, input, usize::MAX);
     assert_eq!(
         end.unwrap_err().to_string(),
-        "frame 3: ends after 2303 of 2304 bytes, expected whole frames of 48x32 packed as 12p"
+        "frame 3: ends after 2303 of 2304 bytes, expected whole frames of 48x32 packed as 12p; 2 frames before it are whole, and their pictures are kept"
     );
     assert_eq!(found.len(), 2 * 2 * 48 * 32);
 }
