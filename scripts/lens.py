@@ -1,7 +1,7 @@
 """A camera file on standard output: lens.py NAME RANGE.
 
-NAME is clear-STOPS, cubic-RADIANS-STOPS or a preset. The first two are the lens of clear-mid, closed by STOPS and focused at the middle of ψ 0 to RANGE of the
-open aperture. A cubic mask has the phase RADIANS·(x³ + y³ + 0.2/2.3·(x²y + xy²)) over the aperture in use, in the glass of edof optics advise.
+NAME is clear-STOPS, cubic-RADIANS-STOPS or a preset, whose focus goes with its range. The first two are the lens of clear-mid, closed by STOPS and focused at the middle of ψ 0 to
+RANGE of the open aperture. A cubic mask has the phase RADIANS·(x³ + y³ + 0.2/2.3·(x²y + xy²)) over the aperture in use, in the glass of edof optics advise.
 """
 import json
 import sys
@@ -13,7 +13,14 @@ MIXED = 0.2 / 2.3
 name, psi_range = sys.argv[1], float(sys.argv[2])
 kind, *numbers = name.split("-")
 if kind not in ("clear", "cubic") or not (numbers and numbers[0][0].isdigit()):
-    print(Path(f"cameras/{name}.json").read_text(), end="")
+    text = Path(f"cameras/{name}.json").read_text()
+    preset = json.loads(text)
+    if preset["psi_range"][1] != psi_range:
+        preset["focus_psi"] *= psi_range / preset["psi_range"][1]
+        preset["psi_range"] = [0, psi_range]
+        preset["source"] += f" Range and focus by scripts/lens.py {name} {psi_range:g}."
+        text = json.dumps(preset, indent=2) + "\n"
+    print(text, end="")
     sys.exit()
 *strength, stops = map(float, numbers)
 camera = json.loads(Path("cameras/clear-mid.json").read_text())

@@ -13,6 +13,7 @@
 #   aperture      docs/results/aperture.*: the coded lens against smaller apertures     (1 minute)
 #   aperture-networks  docs/results/aperture-networks.*: the same by networks; 24 short trainings, 2 minutes each, which target/trained keeps
 #   depth-known   docs/results/depth-known.*: what knowing the depth is worth; 13 short trainings besides, which target/trained keeps
+#   depth-known-16   docs/results/depth-known-16.*: the same from ψ 0 to 16; 25 short trainings
 #   two-exposures docs/results/two-exposures.*: what two exposures of half the time are worth; 6 short trainings, which target/trained keeps
 #   masks         docs/results/masks.*: cubic masks against the clear lens at its best stop; 9 short trainings, which target/trained keeps
 #   colour        docs/results/colour.md: gain of the coded lens against the correlation of colours, of rows that are there  (1 minute)
@@ -36,7 +37,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
-parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture aperture-networks depth-known two-exposures masks colour-scenes colour-training colour tolerances codes forms ablations classes joint one-noise bound layers figures"
+parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture aperture-networks depth-known depth-known-16 two-exposures masks colour-scenes colour-training colour tolerances codes forms ablations classes joint one-noise bound layers figures"
 # shellcheck disable=SC2086 # parts are several words
 [ $# -gt 0 ] || set -- $parts
 for part in "$@"; do
@@ -241,9 +242,11 @@ aperture_networks() {
 validation=2,5,8,11,14,17,20,23
 
 # A page of lenses with networks of their own: lens_networks PAGE PSI,... ELECTRONS LINE..., each line LENS SEED [PSI | FOCUS,FOCUS] one short training, for all
-# depths from ψ 0 to 8, for one, or for all with an exposure at each focus. A lens is one of scripts/lens.py. Pages share their networks.
+# depths from ψ 0 to "range" (8), for one, or for all with an exposure at each focus. A lens is one of scripts/lens.py. Pages share their networks.
 lens_networks() {
-    local page=$1 psis=$2 electrons=$3 folder=$trained/lenses line lens seed psi foci stops name form gain depths own
+    local page=$1 psis=$2 electrons=$3 range=${range:-8} folder line lens seed psi foci stops name form gain depths own
+    folder=$trained/lenses
+    [ "$range" = 8 ] || folder+=-$range
     own=$folder/$page
     shift 3
     rm -rf "$own"
@@ -254,7 +257,7 @@ lens_networks() {
         [[ $psi != *,* ]] || { foci=$psi; psi=; }
         name=$lens${psi:+-psi-$psi}${foci:+-foci-${foci//,/-}}-seed-$seed
         form=edof-t4w12${foci:+,e2}
-        python3 -B scripts/lens.py "$lens" 8 > "$folder/$lens.json"
+        python3 -B scripts/lens.py "$lens" "$range" > "$folder/$lens.json"
         stops=${lens##*-}
         [[ $stops == [0-9]* ]] || stops=0
         gain=$(awk -v stops="$stops" -v exposures="${foci:+2}" 'BEGIN { least = 2 ^ stops * (exposures ? exposures : 1); printf "%.9g:%.9g", least, 10 * least }')
@@ -277,6 +280,16 @@ depth_known() {
         "clear-0.5 3" "clear-0.5 3 4" "clear-0.5 3 8" \
         "cubic-2.3-0 1" "cubic-2.3-0 1 4" "cubic-2.3-0 1 8" \
         "ring-outer 1" "ring-outer 1 0" "ring-outer 1 4" "ring-outer 1 8"
+}
+
+# Stops and strength are those that edof optics advise names for this range.
+depth_known_16() {
+    local seed lines=()
+    for seed in 1 2 3; do
+        lines+=("clear-1 $seed" "clear-1 $seed 0" "clear-1 $seed 8" "clear-1.5 $seed" "clear-1.5 $seed 0" "clear-1.5 $seed 8")
+    done
+    range=16 lens_networks depth-known-16 0,8,16 10000,1000 "${lines[@]}" \
+        "cubic-0.95-1 1" "cubic-0.95-1 1 0" "cubic-0.95-1 1 8" "ring-outer 1" "ring-outer 1 0" "ring-outer 1 8" "ring-outer 1 16"
 }
 
 # Two exposures of half the time behind the open lens, with foci at a quarter and three quarters of the range, against the clear lens closed by half a stop.

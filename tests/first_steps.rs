@@ -248,7 +248,7 @@ fn a_design_for_another_board_is_estimated_and_what_the_board_lacks_is_named() {
     let network = "--design open.json --weights random.fixed.safetensors";
     for (line, message) in [
         (
-            line.replace("128x80", "2048x1040"),
+            line.replace("128x80", "2048x1040").replace("open.json", "none.json"),
             "--size 2048x1040: must be at most 2097152 pixels, which a buffer holds",
         ),
         (format!("generate {network} --out out --shell litex"), "board ulx3s has no shell 'litex'"),

@@ -116,7 +116,7 @@ fn words_that_seem_to_have_fewer_bits_are_named_and_a_record_is_believed() {
     let run = place.edof(&format!("stream all.raw {LINE} --bit-depth 12 --out light.y4m")).done();
     assert!(!run.err.contains(dark), "{}", run.err);
     place.photo("photo.png", 48, 32);
-    let captured = "capture photo.png --camera clear-mid --bit-depth 12 --phase gbrg --out shot.raw";
+    let captured = "capture photo.png --camera clear-mid --psi 1 --bit-depth 12 --phase gbrg --out shot.raw";
     place.edof(captured).done();
     let line = format!("stream shot.raw {LINE} --out shot.y4m");
     place
