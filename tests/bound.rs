@@ -58,6 +58,8 @@ fn advise_takes_metres_and_closes_the_lens_where_the_range_is_wide() {
     let line =
         "optics advise clear --range 0.4m:10m --aperture-mm 2 --electrons 10000 --out lens.json --json";
     let told = json(&place.edof(line).done().out);
+    // Without a camera it is a lens without a mask.
+    assert!(place.edof("optics advise --electrons 1000").done().out.starts_with("clear-mid, F/"));
     // The same by the number on the lens.
     let focal = Camera::resolve("clear").unwrap().focal_length_mm;
     let by_number = line.replace("advise clear", "advise --camera clear");

@@ -91,6 +91,20 @@ fn the_network_is_that_of_the_lens_that_took_the_frame_and_of_a_clear_one_where_
         // Of its classes of noise, any.
         assert!(run.out.contains(&format!("by {network}")), "{}", run.out);
     }
+    // A lens of one's own without a mask has the blur of the other one, larger or smaller; focused elsewhere it has more than that.
+    let own = include_str!("../cameras/clear-mid.json").replace("clear-mid", "mine").replace("16.0", "12.0");
+    place.write("mine.json", &own);
+    place.write("far.json", own.replace("\"focus_psi\": 4.0", "\"focus_psi\": 0.0"));
+    for camera in ["mine", "far"] {
+        place
+            .edof(&format!("capture chart --size 96x64 --camera {camera}.json --psi 4 --out {camera}.png"))
+            .done();
+    }
+    let run = place.edof("reconstruct mine.png --out picture-mine.png").done();
+    assert!(run.err.contains("was trained for another lens without a mask, clear-mid (F/3.5"), "{}", run.err);
+    place
+        .edof("reconstruct far.png --out picture-far.png")
+        .refused(&["trained for the camera clear-mid", "focus_psi"]);
     std::fs::remove_file(place.path("ring-outer.png.json")).unwrap();
     for (tone, network) in [("srgb", "edof-t4w12-clear-light"), ("linear", "edof-t4w12-clear")] {
         let line = format!("reconstruct ring-outer.png --bit-depth 12 --tone {tone} --out {tone}.png");

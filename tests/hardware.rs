@@ -111,6 +111,9 @@ fn an_explored_folding_is_written_as_a_design_that_its_network_fits() {
     let design: Value = serde_json::from_slice(&std::fs::read(place.path("own.json")).unwrap()).unwrap();
     assert_eq!((&design["frame"]["width"], &design["clock_mhz"]), (&640.into(), &100.0.into()));
     place.edof(&format!("{line} --size 7x8")).refused(&["--size 7x8: "]);
+    place
+        .edof(&line.replace("outer", "outer,edof-t4w12-clear-light") .replace("photo.png", "photo.png --out mixed.json"))
+        .refused(&["--out mixed.json: the networks of --weights are for clear-mid, tone srgb; for ring-outer, tone linear"]);
     let fast = format!("{line} --fps 1e6 --out none.json");
     place
         .edof(&fast)
@@ -152,7 +155,7 @@ fn a_generated_design_is_whole_and_the_same_every_time() {
         serde_json::from_slice(&std::fs::read(place.path("one/manifest.json")).unwrap()).unwrap();
     let files = manifest["files"].as_array().unwrap();
     assert!(files.iter().all(|file| place.path("one").join(file["path"].as_str().unwrap()).is_file()));
-    assert_eq!(files.iter().filter(|f| f["path"].as_str().unwrap().starts_with("mem/")).count(), 189);
+    assert_eq!(files.iter().filter(|f| f["path"].as_str().unwrap().starts_with("mem/")).count(), 190);
 }
 
 #[test]
@@ -408,6 +411,16 @@ fn a_folder_of_another_design_or_network_is_no_folder_of_this_one() {
     place.edof(&format!("{random} --out one.fixed.safetensors")).done();
     place.edof(&format!("{random} --seed 7 --out two.fixed.safetensors")).done();
     place.edof("generate --design tiny --weights one.fixed.safetensors --out built").done();
+    let words = std::fs::read_to_string(place.path("built/mem/sensor_words.mem")).unwrap();
+    assert_eq!(
+        (words.lines().count(), words.lines().nth(2048)),
+        (4096, Some("8000")),
+        "light of this network is linear"
+    );
+    let junit = "cosim --design paper --random 5 --rtl built --junit cosim.xml";
+    place.edof(junit).refused(&["is of another design"]);
+    let xml = std::fs::read_to_string(place.path("cosim.xml")).unwrap();
+    assert!(xml.contains("failures=\"1\"") && xml.contains("is of another design"), "{xml}");
     let line = "cosim --design tiny --random 5 --rtl built --weights";
     place
         .edof(&format!("{line} two.fixed.safetensors"))

@@ -254,7 +254,7 @@ fn every_figure_is_that_of_the_commands() {
     let advice = page
         .post("advice", &json!({ "camera": state["camera"], "electrons": 3000.0, "read_noise_e": 2.5 }))
         .json();
-    let said = place.edof("optics advise --electrons 3000 --json advice.json").done().out;
+    let said = place.edof("optics advise ring-outer --electrons 3000 --json advice.json").done().out;
     let lines: Vec<&str> =
         advice["lines"].as_array().unwrap().iter().map(|line| line.as_str().unwrap()).collect();
     assert!(said.starts_with(&lines.join("\n")), "{said}");

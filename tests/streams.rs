@@ -102,6 +102,21 @@ fn lines_with_padding_are_read_without_it() {
     place.edof(&format!("stream all.raw {line} --out plain.yuyv")).done();
     place.edof(&format!("stream padded.raw {line} --line-bytes 128 --out padded.yuyv")).done();
     assert!(read(&place, "plain.yuyv") == read(&place, "padded.yuyv"));
+    // Frames from files, and frames of a sensor, are read so, too.
+    let frame = "--size 48x32 --bit-depth 12 --weights net.fixed.safetensors --board";
+    place.write("two.raw", &read(&place, "padded.raw")[..2 * 128 * SIZE.1]);
+    place.write("one.raw", &read(&place, "padded.raw")[..128 * SIZE.1]);
+    place.edof(&format!("reconstruct one.raw {frame} --line-bytes 128 --out one.png")).done();
+    place.edof(&format!("reconstruct 0.raw {frame} --out plain.png")).done();
+    assert!(read(&place, "one.yuyv") == read(&place, "plain.yuyv"));
+    let lost = "as many as 1 frame with lines of 128 bytes: --line-bytes 128";
+    place.edof(&format!("reconstruct one.raw {frame} --out o.png")).refused(&[lost]);
+    place
+        .edof(&format!("stream two.raw {line} --out o.yuyv"))
+        .refused(&["as many as 2 frames with lines of 128 bytes: --line-bytes 128"]);
+    place
+        .edof(&format!("reconstruct all.raw {frame} --out o.png"))
+        .refused(&["as many as 3 frames have, which 'edof stream' and 'edof sensor' read"]);
     place
         .edof(&format!("stream padded.raw {line} --line-bytes 95 --out o.yuyv"))
         .refused(&["--line-bytes: 95 bytes for a line of 48 pixels, expected at least 96 packed as words"]);
@@ -110,6 +125,14 @@ fn lines_with_padding_are_read_without_it() {
 #[test]
 fn words_that_seem_to_have_fewer_bits_are_named_and_a_record_is_believed() {
     let place = ready();
+    let pale: Vec<u8> = vec![200; SIZE.0 * SIZE.1];
+    place.write("pale.raw", &pale);
+    let line = format!("stream pale.raw {LINE} --packing bytes --out pale.y4m");
+    let grey = "the least value of the first frame is 200 of 255, and --black-level is 0";
+    assert!(place.edof(&line).done().err.contains(grey));
+    assert!(!place.edof(&format!("{line} --black-level 16")).done().err.contains(grey));
+    let lost = "--black-level 240: no value of the first frame is above it";
+    assert!(place.edof(&format!("{line} --black-level 240")).done().err.contains(lost));
     let dark = "the largest value of the first frame is 4088 of 65535";
     let run = place.edof(&format!("stream all.raw {LINE} --out dark.y4m")).done();
     assert!(run.err.contains(dark) && run.err.contains("as in --bit-depth 12"), "{}", run.err);
@@ -122,7 +145,7 @@ fn words_that_seem_to_have_fewer_bits_are_named_and_a_record_is_believed() {
     place
         .edof(&line)
         .refused(&["--phase rggb: shot.raw.json says gbrg; state --phase gbrg, or move that file elsewhere"]);
-    place.edof(&format!("{line} --phase gbrg")).done();
+    place.edof(&format!("{line} --phase gbrg --bit-depth 12")).done();
 }
 
 #[test]
@@ -133,6 +156,11 @@ fn a_named_pipe_is_read_as_long_as_somebody_writes() {
     bash(&place, &format!("(for i in 0 1 2; do cat $i.raw; sleep 0.1; done) > camera & {line}; wait")).done();
     place.edof(&format!("stream all.raw {LINE} --bit-depth 12 --out all.y4m")).done();
     assert!(read(&place, "piped.y4m") == read(&place, "all.y4m"));
+    // And written, as long as somebody reads.
+    place.pipe("screen");
+    let line = format!("edof stream all.raw {LINE} --bit-depth 12 --out screen");
+    bash(&place, &format!("cat screen > shown.y4m & {line}; wait")).done();
+    assert!(read(&place, "shown.y4m") == read(&place, "all.y4m"));
 }
 
 #[test]
@@ -177,7 +205,11 @@ fn options_that_cannot_be_are_rejected_before_anything_is_written() {
     for (options, words) in [
         ("--bit-depth 12 --packing 12p", "--bit-depth 12: 12p states the bits"),
         ("--fps 25 --format yuv422p", "--fps: only y4m states a rate"),
-        ("--gain 0", "--gain 0: must be from 1 to 1000"),
+        ("--gain 0", "--gain 0: must be from 0.001 to 1000"),
+        (
+            "--gain 8",
+            "--gain 8: chooses among the networks of the program, and --weights net.fixed.safetensors is a file",
+        ),
         ("--packing 10p", "all.raw: 9216 bytes, expected whole frames of 1920 (48x32 packed as 10p)"),
         ("--white-level 1e9", "--black-level, --white-level: white level 1000000000: must be"),
         ("--bit-depth 7", "--bit-depth, --size: bit depth 7: must be 8 to 16"),

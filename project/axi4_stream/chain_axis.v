@@ -16,6 +16,8 @@ module chain_axis (
   output wire [31:0] m_axis_tdata,
   output wire        m_axis_tlast,
   output wire        m_axis_tuser,
+  // High for 48 cycles or more: drops the windows in progress, and keeps what was written.
+  input  wire        flush,
   // Weights at run time, and what is read back; tie to 0 what is not used.
   input  wire        write_valid,
   input  wire [24:0] write_address,
@@ -38,8 +40,11 @@ module chain_axis (
   assign s_axis_tready = window_ready && !reset_q;
   assign m_axis_tvalid = patch_valid && !reset_q;
 
+  // Beats between the stages are for observation; their number is the design's.
+  /* verilator lint_off PINMISSING */
+  /* verilator lint_off PINCONNECTEMPTY */
   chain calculator (
-    .clock_i(aclk), .reset_i(reset_q), .flush_i(1'b0),
+    .clock_i(aclk), .reset_i(reset_q), .flush_i(flush),
     .window_valid_i(s_axis_tvalid && !reset_q), .window_ready_o(window_ready), .window_data_i(s_axis_tdata),
     .window_last_i(s_axis_tlast), .window_set_i(s_axis_tuser),
     .patch_valid_o(patch_valid), .patch_ready_i(m_axis_tready), .patch_data_o(m_axis_tdata),
@@ -47,6 +52,8 @@ module chain_axis (
     .write_valid_i(write_valid), .write_address_i(write_address), .write_data_i(write_data),
     .status_address_i(status_address), .status_o(status), .window_fault_o(window_fault)
   );
+  /* verilator lint_on PINCONNECTEMPTY */
+  /* verilator lint_on PINMISSING */
 endmodule
 
 `default_nettype wire

@@ -14,8 +14,10 @@ module stream_core_axis (
   output wire [15:0] m_axis_tdata,
   output wire        m_axis_tlast,
   output wire        m_axis_tuser,
+  // High for 48 cycles or more: drops the frame in progress, and keeps what was written; the next pixel is a frame's first.
+  input  wire        flush,
   // Set of weights of a frame; 1 for colour, 0 for luma only.
-  input  wire        set,
+  input  wire        weight_set,
   input  wire        colour,
   // Weights and display tables at run time, and what is read back; tie to 0 what is not used.
   input  wire        write_valid,
@@ -43,10 +45,11 @@ module stream_core_axis (
   assign s_axis_tready = pixels_ready && !reset_q;
   assign m_axis_tvalid = picture_valid && !reset_q;
 
+  /* verilator lint_off PINCONNECTEMPTY */
   stream_core core (
-    .clock_i(aclk), .reset_i(reset_q), .preserve_i(1'b0), .flush_i(1'b0),
+    .clock_i(aclk), .reset_i(reset_q), .preserve_i(1'b0), .flush_i(flush),
     .pixels_valid_i(s_axis_tvalid && !reset_q), .pixels_ready_o(pixels_ready), .pixels_data_i(s_axis_tdata),
-    .set_i(set), .colour_i(colour),
+    .set_i(weight_set), .colour_i(colour),
     .picture_valid_o(picture_valid), .picture_ready_i(m_axis_tready), .picture_data_o(m_axis_tdata),
     .picture_user_o(m_axis_tuser), .picture_last_o(m_axis_tlast),
     .write_valid_i(write_valid), .write_address_i(write_address), .write_data_i(write_data),
@@ -55,6 +58,7 @@ module stream_core_axis (
     .clear_i(1'b0), .saturated_sums_o(), .clamped_chroma_o(), .out_of_gamut_o(),
     .patches_o(), .busy_cycles_o(), .window_crc_o(), .window_frames_o(), .set_used_o()
   );
+  /* verilator lint_on PINCONNECTEMPTY */
 endmodule
 
 `default_nettype wire

@@ -11,7 +11,9 @@ use edof_board::link::PATIENCE;
 use edof_core::cable::carried;
 use edof_core::{DisplayMode, RawFrame, words};
 use edof_cosim::chain::folder::{self, with_verilog_of};
-use edof_cosim::system::{self, Compiled, Rig, RigConfig, Speed, Torn, VerilogBoard, recorded, second};
+use edof_cosim::system::{
+    self, Compiled, Rig, RigConfig, Speed, TableWords, Torn, VerilogBoard, recorded, second,
+};
 use edof_cosim::verilator::Options;
 use edof_device::Design;
 use edof_device::design::{DesignError, FrameSize};
@@ -39,7 +41,7 @@ const FAST: u32 = 25_000_000;
 #[group(skip)]
 pub struct Args {
     /// Run the whole core instead: raw frames at the receiver's pins, pictures at the transmitter's, by way of a memory
-    #[arg(long, conflicts_with_all = ["random", "patches", "stalls", "skip", "junit", "waveform"])]
+    #[arg(long, conflicts_with_all = ["random", "patches", "stalls", "skip", "waveform"])]
     pub system: bool,
 
     /// Pictures that must be shown one after the other, each once or more
@@ -214,7 +216,12 @@ pub fn with_rtl(project: Project, rtl: Option<&Path>) -> Result<Project, Error> 
 /// # Errors
 /// The field or the word that differs.
 pub fn check_rtl(folder: &Path, design: &Design, network: Option<&FixedNetwork>) -> Result<(), Error> {
-    let images = network.map_or_else(Vec::new, |network| images(design, [network; 2]));
+    let images = network.map_or_else(Vec::new, |network| {
+        let tables = TableWords::of(&Display::of_network(network));
+        let tables = if design.board.is_cabled() { tables.tables().images(design) } else { vec![] };
+        let own = images(design, [network; 2]);
+        own.into_iter().chain(tables.into_iter().filter(|(path, _)| path.contains("display"))).collect()
+    });
     folder::check(folder, design, &images).map_err(|e| Error::message(format!("--rtl {e}")))
 }
 
@@ -336,12 +343,12 @@ fn check_room(raw: &RawFrame, frame: FrameSize, count: usize) -> Result<(), Erro
     let (height, width) = raw.size();
     let reach = SHIFT * (count - 1);
     let needed = (frame.width + reach, frame.height + reach);
-    let frames = words::count(count, "frame");
+    let frames = format!("the {} that are sent", words::count(count, "frame"));
     if width >= needed.0 && height >= needed.1 {
         return Ok(());
     }
     Err(Error::message(format!(
-        "{width}x{height}, must be at least {}x{} for {frames} of {}x{}; give a larger --photo, or --size, or fewer --frames",
+        "{width}x{height}, must be at least {}x{} for {frames} of {}x{}; give a larger --photo, or, without --rtl, a smaller --size",
         needed.0, needed.1, frame.width, frame.height
     )))
 }

@@ -32,7 +32,7 @@ const COMMANDS: [(&str, &[Group]); 16] = [
         &[
             ("Network", "weights fixed float device stride"),
             ("Lens of the frame", "camera psf-bank centre"),
-            ("Format of the frame", "phase bit-depth video size align order packing"),
+            ("Format of the frame", "phase bit-depth video size align order packing line-bytes"),
             ("Levels and colours", "sensor black-level white-level white-balance colour-matrix"),
             ("Picture", "out tone gamma bits board display words force"),
         ],
@@ -51,7 +51,7 @@ const COMMANDS: [(&str, &[Group]); 16] = [
         &[
             ("Frames and defects", "dark flat list"),
             ("Limits", "hot dead"),
-            ("Format of the frames", "size packing phase bit-depth align order"),
+            ("Format of the frames", "size packing line-bytes phase bit-depth align order"),
             ("Levels", "black-level white-level"),
         ],
     ),

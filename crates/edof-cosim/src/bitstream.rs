@@ -5,6 +5,7 @@ use crate::system::{self, PictureError, TableWords};
 use edof_core::draw::Draw;
 use edof_core::number::{InputWord, OutputWord};
 use edof_core::storage::folder::{self, Contents, FolderError};
+use edof_core::{CfaPhase, RawFrame, Tone};
 use edof_device::Design;
 use edof_device::board::{BOARDS, Board, Shell};
 use edof_device::design::DesignError;
@@ -15,7 +16,9 @@ use edof_hdl::board::Identity;
 use edof_hdl::board_project::{self, BoardProject};
 use edof_hdl::project::ProjectError;
 use edof_network::FixedNetwork;
+use ndarray::Array2;
 use serde_json::{Value, json};
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// Windows that the test bench tries.
@@ -114,6 +117,7 @@ impl Sources {
         let verilog = core.verilog.iter().map(|(_, text)| text.len()).sum();
         let counts = [core.verilog.len(), verilog, core.memory.len()];
         let mut contents = contents(&project);
+        contents.insert("mem/sensor_words.mem".into(), sensor_words(network.origin.values));
         told(3, STEPS, "what the design promises");
         if let Some(page) = contents.get_mut(Path::new("README.md")) {
             page.push_str(&promise::section(design)?);
@@ -156,6 +160,18 @@ impl Sources {
             self.clock_mhz
         )
     }
+}
+
+/// Returns the image of `sensor_words`: the word for each value of a sensor of 12 bits, as a network of such values takes it.
+fn sensor_words(values: Tone) -> String {
+    let all = Array2::from_shape_fn((64, 64), |(row, column)| (64 * row + column) as u16);
+    let frame = RawFrame::from_values(all, 12, CfaPhase::Rggb);
+    let words = frame.map(|frame| frame.encoded(values).into_owned().into_pixels()).unwrap_or_default();
+    words.iter().fold(String::new(), |mut text, word| {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{word:04x}");
+        text
+    })
 }
 
 /// The sources, with the display tables that a board starts with and words that its benches try it with.

@@ -7,6 +7,7 @@ use edof_device::Design;
 use edof_device::board::Resources;
 use edof_device::design::memory::Set;
 use edof_device::design::{DesignError, FrameSize, StageSize};
+use edof_golden::cycle::estimate::estimate;
 use edof_golden::cycle::explore::{cycles_per_patch, foldings};
 use edof_golden::cycle::{Cycle, Patch};
 use edof_golden::windows;
@@ -30,6 +31,10 @@ pub struct Folding {
     pub worst_cycles: f64,
     /// Frames per second at the design's clock.
     pub frames: f64,
+    /// The same of the slowest picture.
+    pub worst_frames: f64,
+    /// The same where no value is zero: what every picture reaches.
+    pub least_frames: f64,
     /// Cells.
     pub used: Resources,
 }
@@ -105,12 +110,16 @@ pub fn found(
         let cycles = weighted.sum::<f64>() / patches.max(1) as f64;
         let geometry = Geometry::new(design.form.window, design.frame.stride);
         let (rows, columns) = geometry.patches(design.frame.height, design.frame.width);
+        let rate = |cycles: f64| design.clock_mhz * 1e6 / (cycles * (rows * columns) as f64);
+        let worst_cycles = each.iter().copied().fold(0.0, f64::max);
         let sizes = design.stages.iter().map(|size| format!("{}x{}", size.lanes, size.rows));
         found.push(Folding {
             words: sizes.collect::<Vec<_>>().join(" "),
             cycles,
-            worst_cycles: each.iter().copied().fold(0.0, f64::max),
-            frames: design.clock_mhz * 1e6 / (cycles * (rows * columns) as f64),
+            worst_cycles,
+            frames: rate(cycles),
+            worst_frames: rate(worst_cycles),
+            least_frames: estimate(&design, None).frames_per_second,
             used,
             design,
         });

@@ -84,6 +84,10 @@ fn made_files(design: &Design, shell: &Shell, core: &Project) -> Result<Vec<(Str
         ("registers.h", c_header::header()),
         ("registers.rdl", systemrdl::address_map()),
         ("lint.vlt", include_str!("../../../rtl/waivers.vlt").to_string()),
+        (
+            "axi4_stream/sensor_words.v",
+            include_str!("../../../project/axi4_stream/sensor_words.v").to_string(),
+        ),
         ("axi4_stream/chain_axis.v", include_str!("../../../project/axi4_stream/chain_axis.v").to_string()),
         (
             "axi4_stream/stream_core_axis.v",

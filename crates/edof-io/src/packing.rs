@@ -45,6 +45,18 @@ pub enum Packing {
     Video,
 }
 
+/// Lines that cannot be padded to a number of bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages name the fields")]
+pub enum LineError {
+    /// Fewer bytes than the pixels take.
+    #[error("{found} bytes for a line of {width} pixels, expected at least {expected} packed as {}", packing.name())]
+    Short { found: usize, expected: usize, width: usize, packing: Packing },
+    /// Pixels that share bytes with those of the next line.
+    #[error("a line of {width} pixels packed as {} ends inside of a group, so that it cannot be padded", packing.name())]
+    Shared { width: usize, packing: Packing },
+}
+
 /// A byte of video that carries no part of a word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stray {
@@ -103,6 +115,57 @@ impl Packing {
     #[must_use]
     pub const fn bytes(self, pixels: usize) -> usize {
         (pixels * self.bits() as usize).div_ceil(8)
+    }
+
+    /// Returns the bytes of a frame, whose lines may be longer than their pixels.
+    #[must_use]
+    pub const fn frame_bytes(self, width: usize, height: usize, line: Option<usize>) -> usize {
+        match line {
+            Some(line) => line * height,
+            None => self.bytes(width * height),
+        }
+    }
+
+    /// Checks that a line's pixels end with a byte and a group, and fit the bytes of a line.
+    ///
+    /// # Errors
+    /// [`LineError`].
+    pub fn check_line(self, width: usize, line: Option<usize>) -> Result<(), LineError> {
+        let Some(found) = line else { return Ok(()) };
+        let group = if self.bits() == 10 { 4 } else { 2 };
+        if !width.is_multiple_of(group) {
+            return Err(LineError::Shared { width, packing: self });
+        }
+        let expected = self.bytes(width);
+        if found < expected {
+            return Err(LineError::Short { found, expected, width, packing: self });
+        }
+        Ok(())
+    }
+
+    /// Returns a frame's bytes without what fills up its lines; `memory` is kept.
+    ///
+    /// ```
+    /// use edof_io::packing::Packing;
+    /// let (bytes, mut memory) = ([1, 2, 0, 3, 4, 0], vec![]);
+    /// assert_eq!(Packing::Bytes.without_padding(2, Some(3), &bytes, &mut memory), [1, 2, 3, 4]);
+    /// ```
+    pub fn without_padding<'a>(
+        self,
+        width: usize,
+        line: Option<usize>,
+        bytes: &'a [u8],
+        memory: &'a mut Vec<u8>,
+    ) -> &'a [u8] {
+        let pixels = self.bytes(width);
+        match line.filter(|line| *line > pixels) {
+            None => bytes,
+            Some(line) => {
+                memory.clear();
+                bytes.chunks_exact(line).for_each(|whole| memory.extend_from_slice(&whole[..pixels]));
+                memory
+            }
+        }
     }
 
     /// The pixels' values; what is left over at the end of `bytes` is dropped. Only video is aligned to the top.

@@ -3,8 +3,8 @@
 
 use edof_core::{Channel, RawFrame};
 
-/// A frame that uses less than this of the range is dim.
-const DIM: u16 = u16::MAX / 16;
+/// A frame that uses less than this of the range is dim: values of 14 bits or fewer do.
+const DIM: u16 = u16::MAX / 4;
 /// Greens of one cell differ by less than this share of the mean light, in whole pictures.
 const GREENS_DIFFER: f64 = 0.02;
 /// And by less than this factor times the difference of red and blue.
@@ -13,7 +13,7 @@ const MORE_THAN_OTHERS: f64 = 4.0;
 /// A reason to ask.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReadWarning {
-    /// The brightest of its pixels, of 65535, lies in the lowest sixteenth of the range.
+    /// The brightest of its pixels, of 65535, lies in the lowest quarter of the range.
     Dim(u16),
     /// What its phase takes for the two greens of a cell differ as red and blue do, and those as greens.
     Phase,

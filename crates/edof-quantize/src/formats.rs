@@ -1,8 +1,8 @@
 //! Fraction bits and integers.
 //!
 //! Every code and matrix gets as many fraction bits as its largest value allows. Then bits are taken away where a shift would
-//! be illegal or an accumulator could pass 48 bits; what cannot be fixed so is rejected. F's sums also keep to the bits of the committed designs where
-//! that costs bits of the finer product alone.
+//! be illegal or an accumulator could pass 48 bits; what cannot be fixed so is rejected. F's sums and the shift that aligns its products also keep to
+//! the bits of the committed designs where that costs bits of the finer product alone.
 
 use crate::fold::Folded;
 use crate::rounding::Rounding;
@@ -19,6 +19,13 @@ const MAX_FRACTION: u32 = 24;
 
 /// `accumulator_bits` of the committed designs `kc705` and `paper`; a test of `edof::presets` has every network fit one.
 const DESIGN_SUM_BITS: u32 = 40;
+
+/// Bits by which the narrowest multiplier of a board (18 bits, of the ECP5) takes a value shifted.
+const MAX_ALIGNMENT: u32 = 2;
+
+/// Bits that the weights of the finer product may lose for it, of at least [`FINE_BITS`]: more would cost quality, and wider multipliers need none.
+const SPARED_BITS: u32 = 2;
+const FINE_BITS: u32 = 14;
 
 /// Largest |code| of each layer after scaling, without headroom.
 #[must_use]
@@ -47,7 +54,7 @@ pub fn integers(
         let mut fixed = fractions.words(folded, analysis.clone(), rounding, network, options);
         float_hash.clone_into(&mut fixed.float_hash);
         match fixed.check() {
-            Ok(()) if output_sum(&fixed) > DESIGN_SUM_BITS && fractions.coarsen_finer_product() => {}
+            Ok(()) if is_wide(&fixed) && fractions.coarsen_finer_product() => {}
             Ok(()) => return Ok(fixed),
             Err(source) => {
                 fractions.mend(&fixed, source).map_err(|source| QuantizeError::Fixed { bits, source })?;
@@ -166,8 +173,13 @@ impl Fractions {
 }
 
 /// Bits of the sums of F.
-fn output_sum(fixed: &FixedNetwork) -> u32 {
-    fixed.accumulator_bits().last().copied().unwrap_or(0)
+/// Whether F's sums or the shift that aligns its two products are wider than the boards take.
+fn is_wide(fixed: &FixedNetwork) -> bool {
+    let shifts = fixed.final_shifts();
+    let sum = fixed.accumulator_bits().last().copied().unwrap_or(0);
+    let alignment = shifts.dictionary.max(shifts.linear_path);
+    let is_near = (MAX_ALIGNMENT + 1..=MAX_ALIGNMENT + SPARED_BITS).contains(&alignment);
+    sum > DESIGN_SUM_BITS || fixed.code_bits >= FINE_BITS && is_near
 }
 
 /// The same formats for other weights of the same network, rounded as [`integers`] rounds them. The first `settled` of A and

@@ -9,13 +9,16 @@ use crate::report::{Figure, Layout, Report};
 use edof_core::{ColourFrame, Tone};
 
 impl Demo {
-    /// The report, pictures inside; `command` is the command that makes it again.
+    /// The report, pictures inside; `command` is the command that makes it again, `remark` what is expected of other scenes.
     ///
     /// # Errors
     /// [`DemoError::Picture`].
-    pub fn report(&self, command: &str) -> Result<Report, DemoError> {
+    pub fn report(&self, command: &str, remark: Option<&str>) -> Result<Report, DemoError> {
         let mut report = Report::new("Extended depth of field: one scene, four depths");
         report.verdict(&self.verdict());
+        if let Some(remark) = remark {
+            report.paragraph(&format!("On other scenes: {remark}."));
+        }
         report.figures(&[self.figure_by_depth()?], Layout::Wide);
         report.paragraph(&format!(
             "The scene “{}” ({}×{} pixels) has four parts, each at its own depth. Every lens sees it once; a {}-bit sensor \
@@ -128,9 +131,10 @@ mod tests {
     #[test]
     fn the_report_shows_every_picture_and_every_depth_and_how_to_make_it() {
         let demo = demo();
-        let html = demo.report("edof demo --scene chart").unwrap().to_html();
+        let html = demo.report("edof demo --scene chart", Some("a clear lens is ahead")).unwrap().to_html();
         assert_eq!(html.matches("<figure>").count(), 1 + 3 + 4 * 3);
         assert!(html.contains("<span>edof demo</span> <span>--scene chart") && html.contains("ring-outer"));
+        assert!(html.find("class=\"verdict\"") < html.find("On other scenes: a clear lens is ahead."));
         assert!(html.find("class=\"verdict\"") < html.find("<h2>"));
         let columns = crate::pictures::table(&demo.pictures).header.len() - 2;
         assert_eq!(html.matches("class=\"n best\"").count(), columns, "one cell of each but name and time");

@@ -294,7 +294,7 @@ pub fn answer(pictures: &[Picture]) -> String {
         )
     });
     match (network, mask) {
-        (network, Some(mask)) => format!("For such a scene and light. {}{mask}", network.unwrap_or_default()),
+        (network, Some(mask)) => format!("In this scene and light. {}{mask}", network.unwrap_or_default()),
         _ => String::new(),
     }
 }

@@ -16,6 +16,7 @@ use edof::job::{
 };
 use edof_core::camera::Camera;
 use edof_core::frame::FrameError;
+use edof_core::noise::SensorNoise;
 use edof_core::words::{count, number};
 use edof_core::{CfaPhase, Noise, Tone};
 use edof_io::raw;
@@ -108,7 +109,7 @@ pub struct Args {
 
     /// Noise: none, the standard deviation of Gaussian noise in units of full scale, or sensor, the photon and read noise of
     /// a sensor (10000 electrons of full well, 2.5 of read noise, gain 1 unless said otherwise, as in
-    /// sensor:full-well=6000:read-noise=1.8:gain=4)
+    /// sensor:full-well=6000:read-noise=1.8:gain=4). White has full-well/gain electrons; --gain of edof train and edof stream is 10000 divided by them
     #[arg(long, default_value_t = Noise::None, value_name = "NOISE", allow_hyphen_values = true)]
     noise: Noise,
 
@@ -196,6 +197,13 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         advice::note(&job.camera, job.sensor.noise, ui);
     }
     psf_bank::remark(&jobs[0].camera, ui);
+    if let Noise::Sensor(sensor) = jobs[0].sensor.noise {
+        ui.note(format!(
+            "noise: white has {} electrons; that is gain {} for edof train and edof stream",
+            number(sensor.full_scale_e().round()),
+            number((1e3 * equal_gain(sensor)).round() / 1e3)
+        ));
+    }
     match &shots[..] {
         [one] => ui.json(one),
         all => ui.json(&json!({ "frames": all })),
@@ -423,6 +431,11 @@ impl Args {
     }
 }
 
+/// Returns the gain at which the sensor of trainings has as many electrons for white.
+fn equal_gain(sensor: SensorNoise) -> f64 {
+    SensorNoise::default().full_well_e / sensor.full_scale_e()
+}
+
 /// Depths whose blurs are printed; of more, the first and the last are.
 const SHOWN_DEPTHS: usize = 4;
 
@@ -433,6 +446,14 @@ fn tell(captured: &Captured, camera: &Camera, ui: &Ui) -> Result<(), Error> {
     }
     let depths = count(captured.depths.len(), "depth");
     ui.say(format!("{scene}: {width}x{height}, {depths}, {seconds:.2} s"))?;
+    let [low, high] = camera.psi_range;
+    let outside = captured.depths.iter().filter(|depth| !(low - 1e-6..=high + 1e-6).contains(&depth.psi));
+    if let Some(depth) = outside.map(|depth| depth.psi).max_by(|a, b| a.abs().total_cmp(&b.abs())) {
+        ui.note(format!(
+            "psi {depth:.2}: is outside of {}'s range, {low:.2} to {high:.2}, which networks for it are trained for",
+            camera.name
+        ));
+    }
     let (first, last) = (captured.depths.first(), captured.depths.last());
     let ends = [first, last.filter(|_| captured.depths.len() > 1)].into_iter().flatten();
     let left_out = captured.depths.len().saturating_sub(SHOWN_DEPTHS);

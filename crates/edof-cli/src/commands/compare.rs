@@ -94,7 +94,7 @@ struct Compared {
     quality: Quality,
     /// Mean of b − a in red, green and blue.
     mean_difference: [f64; 3],
-    /// The largest |b − a| of any colour, and where it is.
+    /// The largest |b − a| of any colour inside of the border, and where it is.
     largest: Largest,
     /// Of the edge in the region, cycles per pixel in a and b.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -144,7 +144,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         identical: a == b,
         quality,
         mean_difference: mean_difference(&a, &b),
-        largest: largest(&a, &b, args.region),
+        largest: largest(&a, &b, border, args.region),
         mtf50: mtf50(&a, &b, &args),
     };
     if let Some(map) = &args.map {
@@ -210,8 +210,13 @@ fn mean_difference(a: &ColourFrame, b: &ColourFrame) -> [f64; 3] {
     [0, 1, 2].map(mean)
 }
 
-fn largest(a: &ColourFrame, b: &ColourFrame, region: Option<Region>) -> Largest {
-    let differences = a.planes.indexed_iter().zip(&b.planes).map(|((at, a), b)| (at, (b - a).abs()));
+fn largest(a: &ColourFrame, b: &ColourFrame, border: usize, region: Option<Region>) -> Largest {
+    let (height, width) = a.size();
+    let is_inside = |(_, row, column): (usize, usize, usize)| {
+        (border..height - border).contains(&row) && (border..width - border).contains(&column)
+    };
+    let all = a.planes.indexed_iter().zip(&b.planes).filter(|((at, _), _)| is_inside(*at));
+    let differences = all.map(|((at, a), b)| (at, (b - a).abs()));
     let max = differences.max_by(|(_, x), (_, y)| x.total_cmp(y));
     let ((_, row, column), difference) = max.unwrap_or_default();
     let (top, left) = region.map_or((0, 0), |region| (region.top, region.left));

@@ -146,6 +146,20 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let files = files.keeps(args.force);
     files.writes("--waveform", waveform_file(&args, Waveform::best())).check()?;
     let start = Instant::now();
+    let ran = run_either(&args, start, ui);
+    let seconds = start.elapsed().as_secs_f64();
+    match (&args.junit, &ran) {
+        (Some(path), Err(error)) if !matches!(error, Error::Interrupted) => {
+            write_junit(path, &args, Some(&error.to_string()), seconds)?;
+        }
+        (Some(path), Ok(())) => write_junit(path, &args, None, seconds)?,
+        _ => {}
+    }
+    ran
+}
+
+/// Runs the calculator or the whole core.
+fn run_either(args: &Args, start: Instant, ui: &Ui) -> Result<(), Error> {
     args.rtl.iter().try_for_each(|folder| args.system.check_folder(folder))?;
     let design = args.system.design(designs::load(&args.design)?)?;
     ui.used(designs::input(&design));
@@ -160,20 +174,20 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         let how = cosim_system::Run { seed: args.seed, icarus: args.icarus, rtl: args.rtl.as_deref() };
         return cosim_system::run(&args.system, &design, network, &raw, &how, ui);
     }
-    let patches = patches(&args, &design, &network, ui)?;
+    let patches = patches(args, &design, &network, ui)?;
     if patches.is_empty() {
         let option = if args.random == Some(0) { "random" } else { "patches" };
         return Err(Error::message(format!("--{option} 0: must be 1 or more, or nothing is compared")));
     }
     let project = project::calculator(&design, [&network, &network])?;
-    let generated = Run { networks: [network.clone(), network], patches, drive: drive(&args)? };
+    let generated = Run { networks: [network.clone(), network], patches, drive: drive(args)? };
     let trial = Trial { runs: [generated, Run::loaded(&design, args.seed)], design };
     let project = cosim_system::with_rtl(project, args.rtl.as_deref())?;
-    let outcomes = trial.run(&project, &args, ui)?;
+    let outcomes = trial.run(&project, args, ui)?;
     let seconds = start.elapsed().as_secs_f64();
-    tell(&args, &trial, &outcomes, seconds, ui)?;
+    tell(args, &trial, &outcomes, seconds, ui)?;
     let Some(difference) = first_difference(&outcomes) else { return Ok(()) };
-    let waveform = trial.waveform(&project, &args, &outcomes)?;
+    let waveform = trial.waveform(&project, args, &outcomes)?;
     let driver = difference.driver(&project, trial.design.stages.len());
     let driver = driver.map_or(String::new(), |place| format!("; driven at {place}"));
     let when = if outcomes.len() > 1 { "after both banks were loaded: " } else { "" };
@@ -339,6 +353,11 @@ fn tell(args: &Args, trial: &Trial, outcomes: &[Outcome], seconds: f64, ui: &Ui)
             design.name, outcome.beats, outcome.cycles, summary.cycles_per_patch(), summary.max_cycles
         ))?;
     }
+    if args.rtl.is_some() && args.weights.is_none() {
+        ui.note(
+            "the network was a random one, as --weights names none: memory images of --rtl were not compared",
+        );
+    }
     let words = trial.runs[1].drive.writes.len();
     let loaded = outcomes.get(1).map(|outcome| (outcome.summary.counts.patches, outcome));
     if let Some((patches, Outcome { difference: None, beats, .. })) = loaded {
@@ -346,9 +365,6 @@ fn tell(args: &Args, trial: &Trial, outcomes: &[Outcome], seconds: f64, ui: &Ui)
             "{}: both banks loaded with {words} words; {patches} patches, {beats} beats: no difference",
             design.name
         ))?;
-    }
-    if let Some(path) = &args.junit {
-        write_junit(path, design, difference, seconds)?;
     }
     ui.json(&json!({
         "design": design.name,
@@ -368,16 +384,14 @@ fn tell(args: &Args, trial: &Trial, outcomes: &[Outcome], seconds: f64, ui: &Ui)
     }))
 }
 
-fn write_junit(
-    path: &Path,
-    design: &Design,
-    difference: Option<&Difference>,
-    seconds: f64,
-) -> Result<(), Error> {
-    let failure = difference.map(ToString::to_string);
+fn write_junit(path: &Path, args: &Args, failure: Option<&str>, seconds: f64) -> Result<(), Error> {
     // No count: a name that changes with the options has no history in a CI.
-    let name = "every word at every boundary, and every cycle";
-    let xml = junit::report(&format!("cosim {}", design.name), name, seconds, failure.as_deref());
+    let name = if args.system.system {
+        "every picture on the screen, from pins to pins"
+    } else {
+        "every word at every boundary, and every cycle"
+    };
+    let xml = junit::report(&format!("cosim {}", args.design), name, seconds, failure);
     edof_core::storage::atomic::write(path, xml.as_bytes())?;
     Ok(())
 }

@@ -93,7 +93,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     args.check_files(&lenses, board.as_ref(), ui)?;
     let coded = &lenses[2].camera;
     let (scene, codes) = args.scene(coded)?;
-    advice::note(coded, sensor.noise, ui);
+    let remark = advice::better(coded, sensor.noise);
+    remark.iter().for_each(|line| ui.note(line));
     misfit.iter().for_each(|misfit| ui.note(format_args!("no board: {misfit}")));
     let progress = ui.progress(1, "demo");
     progress.message("capture and reconstruction");
@@ -106,7 +107,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let coded = result.raws.last().zip(board);
     let told = coded.map(|(raw, board)| board.tell(raw, &args.out, ui)).transpose()?;
 
-    save(&result, told.as_ref(), &args, ui)?;
+    save(&result, (told.as_ref(), remark.as_deref()), &args, ui)?;
     ui.say(result.to_text())?;
     ui.say(result.verdict())?;
     told.iter().try_for_each(|told| ui.say(told.to_text()))?;
@@ -175,9 +176,14 @@ fn lenses<'a>(
 }
 
 /// The report, every picture, and all of them in one.
-fn save(result: &Demo, board: Option<&Told>, args: &Args, ui: &Ui) -> Result<(), Error> {
+fn save(
+    result: &Demo,
+    (board, remark): (Option<&Told>, Option<&str>),
+    args: &Args,
+    ui: &Ui,
+) -> Result<(), Error> {
     let [file, overview, depths, scene] = FILES.map(|name| args.out.join(name));
-    let mut report = result.report(&ui.signed(&ui.provenance().command))?;
+    let mut report = result.report(&ui.signed(&ui.provenance().command), remark)?;
     board.map_or(Ok(()), |board| board.add_to(&mut report))?;
     report.save(&file)?;
     let shots =

@@ -182,6 +182,7 @@ impl New {
             form,
             code_bits: network.as_ref().map_or(16, |network| network.code_bits),
             accumulator_bits: network
+                .as_ref()
                 .map_or(40, |n| n.accumulator_bits().into_iter().max().unwrap_or(0).max(32)),
             skip_zeros: true,
             stages: (0..=last).map(|stage| StageSize { lanes: lanes(stage), rows: 1 }).collect(),
@@ -190,6 +191,9 @@ impl New {
             board: Board::named(&self.board).unwrap_or_default(),
         };
         design.check().map_err(|e| self.of_options(&e))?;
+        if let Some(network) = &network {
+            design.check_network(network).map_err(|e| self.of_options(&e))?;
+        }
         Ok(design)
     }
 

@@ -41,7 +41,7 @@ pub struct Task {
     #[command(flatten)]
     measured: Args,
 
-    /// Design file to write: the first folding of the list, which is the best in dB and then has the fewest multipliers. It must reach --fps
+    /// Design file to write: the first folding of the list, which is the best in dB and then has the fewest multipliers. It must reach --fps on the slowest picture, and the networks must be for one lens and tone
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -65,7 +65,7 @@ pub struct Args {
     #[arg(long, value_name = "MHZ")]
     clock_mhz: Option<f64>,
 
-    /// Required frames per second; edof explore lists slower foldings only if none is fast enough
+    /// Required frames per second of the slowest picture; edof explore lists slower foldings only if none is fast enough
     #[arg(long, default_value_t = 60.0)]
     fps: f64,
 
@@ -93,6 +93,8 @@ pub struct Args {
 pub struct Found {
     pub network: String,
     pub camera: String,
+    /// Camera and tone that the network was trained for, in words.
+    pub lens: String,
     pub db: f64,
     pub folding: Folding,
 }
@@ -113,7 +115,11 @@ pub fn run(task: Task, ui: &Ui) -> Result<(), Error> {
     let files = out.iter().fold(files, |files, out| files.writes_as(Kind::Design, "--out", out));
     files.keeps(args.force).check()?;
     let (base, mut found) = args.found(ui)?;
-    let fast = found.iter().any(|one| one.folding.frames >= args.fps);
+    if let Some(out) = &out {
+        args.check_alike(out, &found)?;
+    }
+    let reaches = |one: &Found| one.folding.worst_frames >= args.fps;
+    let fast = found.iter().any(reaches);
     if let Some(out) = out.as_ref().filter(|_| !fast) {
         return Err(Error::message(format!(
             "--out {}: no folding reaches --fps {}, so no design is written; state a lower --fps",
@@ -121,7 +127,7 @@ pub fn run(task: Task, ui: &Ui) -> Result<(), Error> {
             number(args.fps)
         )));
     }
-    found.retain(|one| !fast || one.folding.frames >= args.fps);
+    found.retain(|one| !fast || reaches(one));
     let kept = front(&found.iter().map(Found::figures).collect::<Vec<_>>());
     let mut kept: Vec<Found> =
         found.into_iter().zip(kept).filter_map(|(one, keep)| keep.then_some(one)).collect();
@@ -133,24 +139,24 @@ pub fn run(task: Task, ui: &Ui) -> Result<(), Error> {
     let names = [part.multiplier.name, part.memory.name];
     let widths = names.map(|name| name.len().max(7));
     ui.say(format!(
-        "on {}; frames per second of {}x{} at {} MHz, measured on these pictures: other pictures have other zeros",
+        "on {}; frames per second of {}x{} at {} MHz: mean, of the slowest picture, and if no value were zero (what every picture reaches)",
         args.pictures(),
         base.frame.width,
         base.frame.height,
         number(base.clock_mhz)
     ))?;
     ui.say(format!(
-        "   dB  cycles   worst  frames/s  {:>2$}  {:>3$}  network, lanes x rows",
+        "   dB  cycles   worst  frames/s   worst   least  {:>2$}  {:>3$}  network, lanes x rows, lens",
         names[0], names[1], widths[0], widths[1]
     ))?;
     for one in &kept {
-        let Found { network, db, folding: Folding { words, cycles, worst_cycles, frames, used, .. }, .. } =
-            one;
+        let Found { network, lens, db, folding, .. } = one;
+        let Folding { words, cycles, worst_cycles, frames, worst_frames, least_frames, used, .. } = folding;
         let (multipliers, memories) = (used.multipliers, used.whole_memories());
         let [multipliers_width, memories_width] = widths;
         ui.say(format!(
-            "{db:5.2}  {cycles:6.1}  {worst_cycles:6.1}  {frames:8.1}  {multipliers:multipliers_width$}  {memories:memories_width$.1}  \
-             {network}, {words}"
+            "{db:5.2}  {cycles:6.1}  {worst_cycles:6.1}  {frames:8.1}  {worst_frames:6.1}  {least_frames:6.1}  {multipliers:multipliers_width$}  \
+             {memories:memories_width$.1}  {network}, {words}, {lens}"
         ))?;
     }
     if !fast {
@@ -171,6 +177,9 @@ pub fn run(task: Task, ui: &Ui) -> Result<(), Error> {
             "cycles_per_patch": one.folding.cycles,
             "worst_picture_cycles_per_patch": one.folding.worst_cycles,
             "frames_per_second": one.folding.frames,
+            "worst_picture_frames_per_second": one.folding.worst_frames,
+            "frames_per_second_nothing_skipped": one.folding.least_frames,
+            "lens": one.lens,
             "resources": part.named(&one.folding.used),
         })
     };
@@ -246,6 +255,19 @@ impl Args {
         Ok(base)
     }
 
+    /// Rejects a choice between networks for several lenses or tones, whose dB are of different frames.
+    fn check_alike(&self, out: &Path, found: &[Found]) -> Result<(), Error> {
+        let lenses: BTreeSet<&str> = found.iter().map(|one| one.lens.as_str()).collect();
+        if lenses.len() < 2 {
+            return Ok(());
+        }
+        Err(Error::message(format!(
+            "--out {}: the networks of --weights are {}, so their dB do not compare; name networks for one lens and tone",
+            out.display(),
+            lenses.into_iter().collect::<Vec<_>>().join("; ")
+        )))
+    }
+
     /// Frames per second that are required.
     pub const fn fps(&self) -> f64 {
         self.fps
@@ -281,9 +303,11 @@ fn of_network(
     let (db, pictures) = measure(args, network, &any_folding(base, network)?, ui)?;
     let found = explore::found(base, network, &pictures, interrupt::flow)?;
     interrupt::check()?;
-    let camera = &network.origin.camera.name;
-    let found =
-        found.into_iter().map(|folding| Found { network: name.into(), camera: camera.clone(), db, folding });
+    let (camera, tone) = (&network.origin.camera.name, windows::tone(network));
+    let lens = format!("for {camera}, tone {tone}");
+    let one =
+        |folding| Found { network: name.into(), camera: camera.clone(), lens: lens.clone(), db, folding };
+    let found = found.into_iter().map(one);
     Ok(found.collect())
 }
 

@@ -56,7 +56,7 @@ pub struct Args {
     #[arg(long, value_name = "DIR", default_value = "out/optics")]
     out: PathBuf,
 
-    /// Depths: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end), or distances as in 1.5m if the camera states nominal_m [default: 0,1,2,3,4,5,6,7,8, or those of the PSF bank]
+    /// Depths: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end), or distances as in 1.5m if the camera states nominal_m [default: nine over the camera's range, or those of the PSF bank]
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
     psi: Vec<Depth>,
 
@@ -227,12 +227,17 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     edof_core::storage::atomic::write(&files[2], &sheet)?;
     psf_numbers(&camera, &psis, &psfs)?.save(&files[3])?;
     mtf_numbers(&camera, &psis, &psfs)?.save(&files[4])?;
-    ui.say(format!("{}: F/{:.2}, figures in {}", camera.name, camera.f_number(), args.out.display()))?;
+    ui.say(format!(
+        "{}: F/{:.2}, figures in {}; of red, green and blue:",
+        camera.name,
+        camera.f_number(),
+        args.out.display()
+    ))?;
     for d in &depths {
         let [r, g, b] = d.contrast_quarter_cutoff;
         let metres = d.distance_m.map_or(String::new(), |m| format!(", {m:.2} m"));
         ui.say(format!(
-            "  psi {:5.2}{metres}: contrast at a quarter of the cut-off {r:6.3} {g:6.3} {b:6.3}, kernels {:?}",
+            "  psi {:5.2}{metres}: contrast at a quarter of the cut-off {r:6.3} {g:6.3} {b:6.3}, kernels of {:?} pixels a side",
             d.psi, d.kernel_side
         ))?;
     }
@@ -257,7 +262,7 @@ impl Args {
         let own = camera.psf_bank.as_ref().and_then(|bank| bank.kernels.as_ref());
         match own {
             Some(kernels) if self.psi.is_empty() => return Ok(kernels.psis().to_vec()),
-            None if self.psi.is_empty() => return Ok((0..=8).map(f64::from).collect()),
+            None if self.psi.is_empty() => return Ok(nine_depths(camera.psi_range)),
             _ => {}
         }
         said::psis(&self.psi, camera)
@@ -268,6 +273,11 @@ impl Args {
         settings.check().map_err(|e| Error::message(format!("--{e}")))?;
         Ok(settings)
     }
+}
+
+/// Nine depths from one end of a range to the other.
+fn nine_depths([low, high]: [f64; 2]) -> Vec<f64> {
+    (0..=8).map(|i| low + (high - low) * f64::from(i) / 8.0).collect()
 }
 
 fn shown(camera: &Camera, psi: f64, psfs: &[Psf; 3]) -> Result<ShownDepth, NoPsf> {

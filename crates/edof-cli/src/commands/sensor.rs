@@ -15,7 +15,7 @@ use edof_io::levels::Black;
 use edof_io::packing::{ByteOrder, Packing};
 use edof_io::raw::{Alignment, RawOptions, Size};
 use edof_io::record::{self, Stated};
-use edof_io::sensor::measure::{DarkReport, FlatReport, Limits, Report};
+use edof_io::sensor::measure::{DarkReport, Doubt, FlatReport, Limits, Report};
 use edof_io::sensor::{Correction, file};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -62,6 +62,10 @@ pub struct Args {
     /// Packing of a headerless file's pixels, as in edof stream: words (16 bits each), bytes (8), mipi10, mipi12, 10p, 12p, 12packed or 2vuy
     #[arg(long, requires = "size", default_value = "words")]
     packing: Packing,
+
+    /// Bytes from one line of a headerless file to the next, where lines are padded [default: those of its pixels]
+    #[arg(long, requires = "size", value_name = "BYTES")]
+    line_bytes: Option<usize>,
 
     /// Colour filter of the first 2x2 pixels: rggb, grbg, gbrg or bggr [default: that of the record or a DNG, else rggb]
     #[arg(long, value_name = "CFA")]
@@ -113,6 +117,10 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     file::save(&args.out, &correction, Some(ui.provenance().for_file()))?;
     for line in in_words(&report) {
         ui.say(line)?;
+    }
+    report.doubts.iter().for_each(|doubt| ui.note(doubted(*doubt)));
+    if args.dark.is_empty() && args.black_level == Black::default() {
+        ui.note("black is 0: no dark frames, and no --black-level");
     }
     ui.say(format!("{}: written", args.out.display()))?;
     ui.json(&Written { sensor: args.out.display().to_string(), report: &report })
@@ -191,6 +199,30 @@ fn in_words(report: &Report) -> Vec<String> {
     lines
 }
 
+/// What is doubtful of the frames, and what to look at.
+fn doubted(doubt: Doubt) -> String {
+    let percent = |part: f64| number((1000.0 * part).round() / 10.0);
+    let light = "did light fall on the sensor, or is --packing another?";
+    match doubt {
+        Doubt::Black(part) => format!("dark frames: black is {} % of full scale; {light}", percent(part)),
+        Doubt::Colours(part) => {
+            format!(
+                "dark frames: black differs by {} % of full scale between the colours; {light}",
+                percent(part)
+            )
+        }
+        Doubt::Pattern(part) => {
+            format!("dark frames: pixels differ by {} % of full scale; {light}", percent(part))
+        }
+        Doubt::Noise(part) => format!("dark frames: noise is {} % of full scale; {light}", percent(part)),
+        Doubt::Shading(gain) => {
+            format!(
+                "flat frames: the largest gain is {gain:.1}; was the light even, and the lens the one of the pictures?"
+            )
+        }
+    }
+}
+
 fn dark(dark: &DarkReport) -> String {
     let black: Vec<String> = dark.black.iter().map(|level| format!("{level:.2}")).collect();
     let [columns, rows] = [dark.columns, dark.rows].map(|[low, high]| format!("{low:.2} to {high:.2}"));
@@ -246,13 +278,21 @@ impl Args {
     }
 
     fn job(&self) -> SensorJob {
-        let Self { phase, depth, align: alignment, order, size, packing, .. } = *self;
+        let Self { phase, depth, align: alignment, order, size, packing, line_bytes, .. } = *self;
         SensorJob {
             dark: self.dark.clone(),
             flat: self.flat.clone(),
             list: self.list.clone(),
             stated: Stated { phase, depth, alignment, size, ..Stated::default() },
-            options: RawOptions { phase: phase.unwrap_or_default(), depth, size, alignment, order, packing },
+            options: RawOptions {
+                phase: phase.unwrap_or_default(),
+                depth,
+                size,
+                alignment,
+                order,
+                packing,
+                line_bytes,
+            },
             limits: Limits {
                 hot: self.hot,
                 dead: self.dead,

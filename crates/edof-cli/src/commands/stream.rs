@@ -11,7 +11,7 @@ use crate::ui::Ui;
 use crate::weights;
 use clap::ValueEnum;
 use edof::job::{Balance, Layout, Pace, StreamError, StreamJob, VideoFormat};
-use edof_core::words::count;
+use edof_core::words::{count, number};
 use edof_core::{CfaPhase, Noise, Tone};
 use edof_io::levels::{Black, Levels};
 use edof_io::packing::{ByteOrder, Packing};
@@ -98,7 +98,8 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE")]
     weights: Option<String>,
 
-    /// Gain of the sensor, 1 to 1000: the network of that noise is taken [default: the network for most noises]
+    /// Gain of the sensor, up to 1000: the network of that noise is taken. It is 10000 divided by the electrons of white, and 1 where that is less
+    /// [default: the network for most noises]
     #[arg(long, value_name = "GAIN")]
     gain: Option<f64>,
 
@@ -137,8 +138,8 @@ impl FromStr for Balanced {
     }
 }
 
-/// Largest values of words below this one are called dark.
-const DARK: u16 = 1 << 14;
+/// Part of full scale above which the least value of a frame says that darkness was not stated.
+const GREY: f64 = 0.01;
 
 /// Bytes that show a format.
 const HEAD: u64 = 16;
@@ -168,7 +169,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let name_network = |pace: &Pace| {
         network.take().into_iter().for_each(|line| {
             ui.note(line);
-            args.dark_words(pace).into_iter().for_each(|line| ui.note(line));
+            args.doubts(pace).into_iter().for_each(|line| ui.note(line));
         });
     };
     let tell = |pace: &Pace| {
@@ -217,6 +218,20 @@ fn trained_for(network: &str, origin: &Origin) -> String {
     }
 }
 
+/// Whether a path is a pipe or a device, which takes pictures as they come.
+#[cfg(unix)]
+fn is_live_place(path: &Path) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    let kind = std::fs::metadata(path).map(|what| what.file_type());
+    kind.is_ok_and(|kind| kind.is_fifo() || kind.is_char_device())
+}
+
+/// Whether a path is a pipe or a device, which takes pictures as they come.
+#[cfg(not(unix))]
+const fn is_live_place(_: &Path) -> bool {
+    false
+}
+
 fn is_standard(path: &Path) -> bool {
     path == Path::new("-")
 }
@@ -226,8 +241,14 @@ impl Args {
     fn network(&self) -> Result<String, Error> {
         let usual = self.weights.as_deref().unwrap_or_else(|| weights::clear_for(Tone::Srgb));
         let Some(gain) = self.gain else { return Ok(usual.to_owned()) };
-        all_within("--gain", &[gain], 1.0, 1000.0)?;
-        Ok(weights::for_noise(usual, Tone::Srgb, Noise::sensor(gain)).to_owned())
+        all_within("--gain", &[gain], 0.001, 1000.0)?;
+        if let Some(file) = self.weights.as_ref().filter(|name| Path::new(name).is_file()) {
+            return Err(Error::message(format!(
+                "--gain {}: chooses among the networks of the program, and --weights {file} is a file; leave one of them out",
+                number(gain)
+            )));
+        }
+        Ok(weights::for_noise(usual, Tone::Srgb, Noise::sensor(gain.max(1.0))).to_owned())
     }
 
     fn check_files(&self, network: &str, ui: &Ui) -> Result<(), Error> {
@@ -240,7 +261,7 @@ impl Args {
         if !is_standard(&self.raw) {
             files = files.reads(&self.raw);
         }
-        if !is_standard(&self.out) {
+        if !is_standard(&self.out) && !is_live_place(&self.out) {
             files = files.writes("--out", &self.out);
         }
         files.check()
@@ -298,25 +319,44 @@ impl Args {
         {
             None => Ok(()),
             Some(found) => Err(Error::message(format!(
-                "{}: {found} bytes, expected whole frames of {frame} ({} packed as {}); give the right --size and --packing",
+                "{}: {found} bytes, expected whole frames of {frame} ({} packed as {}){}; give the right --size, --packing and --line-bytes",
                 self.raw.display(),
                 self.size,
-                self.packing.name()
+                self.packing.name(),
+                raw::padded(self.size, self.packing, found).unwrap_or_default()
             ))),
         }
     }
 
-    /// Returns what to do where words seem to hold fewer bits than 16, which would make dark pictures.
-    fn dark_words(&self, pace: &Pace) -> Option<String> {
-        let is_stated = self.depth.is_some() || self.white_level.is_some() || self.sensor.is_some();
-        let largest = pace.largest_value;
-        (self.packing == Packing::Words && !is_stated && pace.frames > 0 && largest < DARK).then(|| {
+    /// Returns what of the first frame says that bits or darkness are not as they were stated; nothing is proved by it.
+    fn doubts(&self, pace: &Pace) -> Vec<String> {
+        let [least, largest] = pace.first_values;
+        if pace.frames == 0 || self.sensor.is_some() {
+            return vec![];
+        }
+        let depth = self.depth.unwrap_or_else(|| self.packing.bits());
+        let full = (1u32 << depth) - 1;
+        let is_dark =
+            self.packing == Packing::Words && self.white_level.is_none() && u32::from(largest) < full / 4;
+        let dark = is_dark.then(|| {
             let bits = (u16::BITS - largest.leading_zeros()).clamp(8, 16);
             format!(
-                "the largest value of the first frame is {largest} of 65535, so pictures are dark; if the sensor has fewer than 16 bits, state them, \
+                "the largest value of the first frame is {largest} of {full}, so pictures are dark; if the sensor has fewer than {depth} bits, state them, \
                  as in --bit-depth {bits}"
             )
-        })
+        });
+        let black = self.black_level.values().into_iter().fold(f64::INFINITY, f64::min);
+        let is_grey = black == 0.0 && f64::from(least) > GREY * f64::from(full);
+        let grey = is_grey.then(|| {
+            format!(
+                "the least value of the first frame is {least} of {full}, and --black-level is 0: state the sensor's value of darkness, or pictures are pale"
+            )
+        });
+        let is_black = black > f64::from(largest);
+        let lost = is_black.then(|| {
+            format!("--black-level {}: no value of the first frame is above it, the largest is {largest} of {full}", number(black))
+        });
+        [dark, grey, lost].into_iter().flatten().collect()
     }
 
     /// Rejects options that contradict the record beside a file of frames.
@@ -400,7 +440,7 @@ impl Args {
             StreamError::Frame(_) if self.depth.is_some() => format!("--bit-depth, --size: {error}"),
             StreamError::Frame(_) | StreamError::Geometry(_) => format!("--size {}: {error}", self.size),
             StreamError::Network(_) | StreamError::Thread(_) => error.to_string(),
-            StreamError::LineBytes { .. } => format!("--line-bytes: {error}"),
+            StreamError::LineBytes(_) => format!("--line-bytes: {error}"),
             StreamError::Cut { .. }
             | StreamError::Read { .. }
             | StreamError::Value { .. }

@@ -283,7 +283,14 @@ impl Design {
         let shift = shifts.dictionary.max(shifts.linear_path);
         let max_shift = self.board.part.multiplier.max_value_shift();
         if shift > max_shift {
-            return Err(misfit(format!("an alignment of F by {shift} bits"), format!("{max_shift} at most")));
+            return Err(misfit(
+                format!(
+                    "products of F that are {shift} bits apart, for which its multipliers are too narrow"
+                ),
+                format!(
+                    "{max_shift} at most; quantize it again by 'edof quantize', with another --headroom if that does not help"
+                ),
+            ));
         }
         Ok(())
     }

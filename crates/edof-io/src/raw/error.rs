@@ -2,6 +2,7 @@
 
 use super::options::Size;
 use crate::camera_raw::CameraRawError;
+use crate::packing::LineError;
 use crate::picture::PictureError;
 use edof_core::frame::FrameError;
 use std::path::{Path, PathBuf};
@@ -10,6 +11,9 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
 pub enum RawError {
+    /// Lines that cannot be padded so.
+    #[error("{path}: {source}", path = path.display())]
+    Line { path: PathBuf, source: LineError },
     /// The file itself.
     #[error(transparent)]
     Picture(#[from] PictureError),

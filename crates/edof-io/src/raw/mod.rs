@@ -24,6 +24,7 @@ mod source;
 
 pub use error::RawError;
 pub use format::{RawFormat, Read, Recognised, Values, Write};
+pub use formats::headerless::padded;
 pub use formats::{FORMATS, of_content, of_ending, writer, written};
 pub use options::{Alignment, RawOptions, Size, WrongSize};
 pub use source::Source;

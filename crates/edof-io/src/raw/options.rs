@@ -20,6 +20,8 @@ pub struct RawOptions {
     pub order: ByteOrder,
     /// Packing of a headerless file's pixels.
     pub packing: Packing,
+    /// Bytes from one line of a headerless file to the next, where lines are padded.
+    pub line_bytes: Option<usize>,
 }
 
 /// Width and height in pixels, written `WIDTHxHEIGHT`.

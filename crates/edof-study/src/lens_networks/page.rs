@@ -18,7 +18,7 @@ use std::fmt::Write;
 const MAX_LOSS_DB: f64 = 0.05;
 /// A mask is adopted if it gains this at the worst depth in every light.
 const MIN_GAIN_DB: f64 = 0.3;
-/// A network that knows the depth is worth building from this gain on.
+/// A network that estimates the depth may be worth trying from this gain on.
 const WORTH_DB: f64 = 0.5;
 /// Colours of lenses in plots.
 const COLOURS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
@@ -342,9 +342,9 @@ impl LensNetworks {
         let most = gains.max_by(|a, b| a.1.0.mean.total_cmp(&b.1.0.mean));
         let Some((lens, (gain, place))) = most else { return vec![] };
         let (word, answer) = if gain.mean >= WORTH_DB {
-            ("at least", "a network that knows the depth is worth building")
+            ("at least", "a network that estimates the depth may be worth trying")
         } else {
-            ("less than", "a network that knows the depth is not worth building")
+            ("less than", "a network that estimates the depth is not worth trying")
         };
         let most = format!(
             "Knowing the depth gains {gain} dB at most ({}, {place}, {} electrons): {word} {WORTH_DB} dB, so {answer}.",

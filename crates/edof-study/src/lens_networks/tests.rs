@@ -273,7 +273,7 @@ fn knowing_the_depth_is_worth_building_from_half_a_decibel_on() {
     };
     let little = page([34.1, 28.4]);
     assert!(little.starts_with("# What knowing the depth is worth\n"), "{little}");
-    assert!(little.contains("Knowing the depth gains +0.40 ± 0.00 dB at most (clear-0, at the worst depth, 1000 electrons): less than 0.5 dB, so a network that knows the depth is not worth building."), "{little}");
+    assert!(little.contains("Knowing the depth gains +0.40 ± 0.00 dB at most (clear-0, at the worst depth, 1000 electrons): less than 0.5 dB, so a network that estimates the depth is not worth trying."), "{little}");
     let much = page([35.4, 28.0]);
     assert!(
         much.contains("gains +0.70 ± 0.00 dB at most (clear-0, on average, 1000 electrons): at least 0.5 dB"),

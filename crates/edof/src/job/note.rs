@@ -49,6 +49,8 @@ pub enum FrameNote {
     OtherPhase { path: PathBuf, phase: CfaPhase },
     /// The network was trained for another lens than took the frame, and is used.
     OtherLens(Box<OtherLens>),
+    /// The network was trained for another lens without a mask.
+    OtherClearLens(Box<OtherLens>),
     /// The network was trained on pictures of another tone.
     OtherTone { path: PathBuf, network: String, camera: Box<Camera>, trained: Tone, tone: Tone },
     /// The frame's noise is outside of the range that the network was trained for; a better one comes with the program, or none does.

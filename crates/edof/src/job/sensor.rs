@@ -103,9 +103,9 @@ impl SensorJob {
 
     /// Returns how the frames of a headerless file lie and how many they are, if it holds more than one.
     fn several(&self, path: &Path) -> Option<(Layout, u64)> {
-        let RawOptions { phase, depth, size, order, packing, alignment } = self.options;
+        let RawOptions { phase, depth, size, order, packing, alignment, line_bytes } = self.options;
         let layout =
-            Layout { size: size?, packing, order, depth, phase, levels: Levels::default(), line_bytes: None };
+            Layout { size: size?, packing, order, depth, phase, levels: Levels::default(), line_bytes };
         let is_headerless = |format: &RawFormat| matches!(format.read, Reading::Headerless(_));
         let length = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?.len();
         let (count, rest) = (length / layout.bytes() as u64, length % layout.bytes() as u64);
@@ -130,7 +130,9 @@ impl SensorJob {
         let Size { width, height } = layout.size;
         for number in 1..=count {
             layout.read(number, &mut file, &mut bytes).map_err(|e| failed(&e))?;
-            let values = layout.packing.values(&bytes, layout.order).map_err(|stray| RawError::Code {
+            let mut memory = vec![];
+            let bytes = layout.packing.without_padding(width, layout.line_bytes, &bytes, &mut memory);
+            let values = layout.packing.values(bytes, layout.order).map_err(|stray| RawError::Code {
                 path: path.to_owned(),
                 row: stray.pixel / width,
                 column: stray.pixel % width,

@@ -156,12 +156,7 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
         bar.of(done, total);
         interrupt::flow()
     });
-    if design.sets == 1 && matches!(loaded, Err(edof_board::Error::Interrupted)) {
-        ui.note(
-            "the board's only set of weights is half written: it makes no frames until a load is complete",
-        );
-    }
-    let loaded = loaded.map_err(of)?;
+    let loaded = loaded.map_err(|error| stopped(error, &design, ui))?;
     bar.of(words, words);
     let in_use = loaded.in_use == loaded.bank;
     let needed = match load.curve {
@@ -203,6 +198,18 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
         ));
     }
     ui.json(&json!({ "loaded": loaded, "seconds": seconds, "repeats": board.repeats() }))
+}
+
+/// A failure of a load; of one that was stopped it is said how the board is now.
+fn stopped(error: edof_board::Error, design: &Design, ui: &Ui) -> Error {
+    if matches!(error, edof_board::Error::Interrupted) {
+        ui.note(if design.sets == 1 {
+            "the board's only set of weights is half written: it makes no frames until a load is complete"
+        } else {
+            "the weights in use are still used; the other bank is half written: load again"
+        });
+    }
+    of(error)
 }
 
 /// The values of the network in use, where the program has it.

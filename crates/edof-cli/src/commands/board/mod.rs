@@ -448,7 +448,8 @@ fn info(args: &Args, own: &Own, ui: &Ui) -> Result<(), Error> {
     ui.say(format!("calculator at {told}, line {} bits per second", board.line().baud()))?;
     let in_use = board.bank()?;
     let mut banks = vec![];
-    for bank in [Set::First, Set::Second] {
+    let sets = design.as_ref().map_or(2, |design| design.sets);
+    for bank in [Set::First, Set::Second].into_iter().take(sets) {
         let (held, hash) = held(args, &mut board, bank, in_use, &own)?;
         let used = if bank == in_use { ", in use" } else { "" };
         let told =

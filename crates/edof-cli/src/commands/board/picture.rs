@@ -141,6 +141,12 @@ pub fn run(args: &super::Args, picture: &Args, ui: &Ui) -> Result<(), Error> {
                     "--size {width}x{height}: must be an even width and a height, 2x1 at least"
                 )));
             }
+            let (whole_width, whole_height) = (board.identity.width as usize, board.identity.height as usize);
+            if column + width > whole_width || row + height > whole_height {
+                return Err(Error::message(format!(
+                    "--size {width}x{height}: reaches out of the board's frame of {whole_width}x{whole_height}; state a smaller --size, or another --at"
+                )));
+            }
             let codes = board.get_codes((*row, *column), (*height, *width), &mut step).map_err(of)?;
             photo::save(out, &of_codes(&codes).shown_frame(), 8)?;
             ui.say(format!("{width}x{height} pixels from column {column}, row {row} in {}", out.display()))?;

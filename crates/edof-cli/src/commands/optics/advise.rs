@@ -80,6 +80,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     for line in lines(&advice, &open, light) {
         ui.say(line)?;
     }
+    ui.say(of_closed(&advice, light))?;
     ui.say(format!("The camera is in {}; a network for it:\n  {train}", args.out.display()))?;
     let shown = |choice: &Choice| shown(&advice, choice, &open);
     ui.json(&Advised {
@@ -108,6 +109,17 @@ fn written(advice: &Advice, open: &Camera, args: &Args) -> Result<Camera, Error>
     );
     edof_core::storage::atomic::write(&args.out, camera.to_json().as_bytes())?;
     Ok(camera)
+}
+
+/// Returns the noise that captures of the advised lens have in this light: a smaller aperture leaves fewer electrons.
+fn of_closed(advice: &Advice, light: Light) -> String {
+    let gain = SensorNoise::default().full_well_e / light.electrons * advice.advised.stops.exp2();
+    let gain = number((1e3 * gain.max(1.0)).round() / 1e3);
+    let left = number((light.electrons / advice.advised.stops.exp2()).round());
+    format!(
+        "White has {left} electrons behind that aperture: capture it by --noise sensor:read-noise={}:gain={gain}; gain {gain} for edof train and edof stream.",
+        number(light.read_noise_e)
+    )
 }
 
 /// The command that trains a network for a camera and a light.
@@ -175,8 +187,23 @@ pub fn lines(advice: &Advice, open: &Camera, light: Light) -> Vec<String> {
     lines.push(format!(
         "A trained network is expected to reach {average_db:.1} dB on average over the depths and {worst_db:.1} dB at the worst, each +/- {NETWORK_ERROR_DB} dB."
     ));
+    if advised.kind != Kind::Clear
+        && let Some(clear) = others.iter().find(|other| other.kind == Kind::Clear)
+    {
+        let Reached { average_db, worst_db } = advice.cost(clear);
+        let open_or = if clear.stops > 0.0 {
+            format!("close it by {}", stops(clear.stops))
+        } else {
+            "leave it open".to_owned()
+        };
+        lines.push(format!(
+            "Without a mask: {open_or} (F/{:.1}), focus psi {:.1}; it costs {average_db:.1} dB on average and {worst_db:.1} dB at the worst depth.",
+            clear.camera.f_number(),
+            clear.focus_psi
+        ));
+    }
     lines.push(format!(
-        "Other choices cost (average / worst depth, +/- {RANKING_ERROR_DB} dB; below 0 they gain):"
+        "Other choices cost (average / worst depth, +/- {RANKING_ERROR_DB} dB; below 0 they gain; the least cost of both together first; a mask must gain more than that):"
     ));
     for other in others {
         let Reached { average_db, worst_db } = advice.cost(other);

@@ -14,9 +14,10 @@ use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub struct Scene {
-    /// Camera: a preset (clear, clear-mid, ring-2015, ring-2018, ring-depth-2018, ring-outer) or a JSON file; its mask is judged, too
-    #[arg(default_value = "ring-outer", value_name = "CAMERA")]
-    camera: String,
+    /// Camera: a preset (clear, clear-mid, ring-2015, ring-2018, ring-depth-2018, ring-outer) or a JSON file; its mask is judged, too [default:
+    /// clear-mid, a lens without a mask]
+    #[arg(value_name = "CAMERA")]
+    camera: Option<String>,
 
     /// The camera, as other commands name it
     #[arg(long = "camera", value_name = "CAMERA", conflicts_with = "camera")]
@@ -58,7 +59,7 @@ pub struct Scene {
 impl Scene {
     /// The camera's preset or file.
     fn named(&self) -> &str {
-        self.camera_option.as_deref().unwrap_or(&self.camera)
+        self.camera.as_deref().or(self.camera_option.as_deref()).unwrap_or("clear-mid")
     }
 
     /// Files that are read.

@@ -112,6 +112,10 @@ pub struct Args {
     #[arg(long, requires = "size")]
     pub(super) packing: Option<Packing>,
 
+    /// Bytes from one line of a headerless file to the next, where lines are padded [default: those of its pixels]
+    #[arg(long, requires = "size", value_name = "BYTES")]
+    pub(super) line_bytes: Option<usize>,
+
     /// Correction of the sensor, as edof sensor writes it: offsets, shading and defects; it states darkness and full light
     #[arg(long, value_name = "FILE", conflicts_with_all = ["black_level", "white_level"])]
     pub(super) sensor: Option<PathBuf>,
@@ -240,7 +244,17 @@ impl Args {
     /// A raw frame, and what the options state of it.
     fn source(&self, path: PathBuf, camera: Option<Camera>, sensor: Option<Arc<Correction>>) -> FrameSource {
         let Self {
-            phase, depth, align: alignment, order, size, packing, black_level, white_level, tone, ..
+            phase,
+            depth,
+            align: alignment,
+            order,
+            size,
+            packing,
+            line_bytes,
+            black_level,
+            white_level,
+            tone,
+            ..
         } = *self;
         FrameSource {
             path,
@@ -252,6 +266,7 @@ impl Args {
                 alignment,
                 order,
                 packing: if self.video { Packing::Video } else { packing.unwrap_or_default() },
+                line_bytes,
             },
             rendering: Rendering { white_balance: self.white_balance, matrix: self.colour_matrix },
             overrules_record: self.force,

@@ -85,7 +85,7 @@ pub struct Args {
     #[arg(long, value_parser = up_to::<0>, value_name = "SIGMA", allow_hyphen_values = true)]
     pub(super) noise: Option<[f64; 2]>,
 
-    /// Largest sensor gain of srgb windows, or a range LOW:HIGH; 1 is base sensitivity
+    /// Largest sensor gain of srgb windows, or a range LOW:HIGH: 10000 divided by the electrons of white, so 1 is 10000 of them and 8 is 1250
     #[arg(long, value_parser = up_to::<1>, value_name = "FACTOR", allow_hyphen_values = true)]
     pub(super) gain: Option<[f64; 2]>,
 

@@ -25,15 +25,22 @@ pub const HEADERLESS: RawFormat = RawFormat {
 fn values(source: Source<'_>, size: Size, options: &RawOptions) -> Result<Values, RawError> {
     let (path, packing) = (source.path, options.packing);
     let depth = depth(options, path)?;
-    let wrong_length = |found| wrong_length(size, packing, found, path);
-    let bytes = source.exactly(size.bytes(packing) as u64, wrong_length)?;
+    let line = options.line_bytes;
+    packing
+        .check_line(size.width, line)
+        .map_err(|source| RawError::Line { path: path.to_owned(), source })?;
+    let wrong_length = |found| wrong_length(size, packing, line, found, path);
+    let expected = packing.frame_bytes(size.width, size.height, line);
+    let bytes = source.exactly(expected as u64, wrong_length)?;
+    let mut memory = vec![];
+    let bytes = packing.without_padding(size.width, line, &bytes, &mut memory);
     let stray = |Stray { pixel, code }| RawError::Code {
         path: path.to_owned(),
         row: pixel / size.width,
         column: pixel % size.width,
         code,
     };
-    let pixels = packing.values(&bytes, options.order).map_err(stray)?;
+    let pixels = packing.values(bytes, options.order).map_err(stray)?;
     let words = Array2::from_shape_vec((size.height, size.width), pixels)
         .map_err(|_| wrong_length(Some(bytes.len() as u64)))?;
     let alignment = if packing == Packing::Video { Alignment::Top } else { Alignment::Bottom };
@@ -53,18 +60,46 @@ fn depth(options: &RawOptions, path: &Path) -> Result<u32, RawError> {
 }
 
 /// Returns the error for a file of `found` bytes, where that is known.
-fn wrong_length(size: Size, packing: Packing, found: Option<u64>, path: &Path) -> RawError {
+fn wrong_length(
+    size: Size,
+    packing: Packing,
+    line: Option<usize>,
+    found: Option<u64>,
+    path: &Path,
+) -> RawError {
     let fitting = |other: &Packing| *other != packing && Some(size.bytes(*other) as u64) == found;
     let names: Vec<&str> = Packing::ALL.iter().filter(|p| fitting(p)).map(|p| p.name()).collect();
     RawError::Size {
         path: path.to_owned(),
         found: found.map_or("more bytes".to_owned(), |found| format!("{found} bytes")),
-        expected: size.bytes(packing).to_string(),
+        expected: packing.frame_bytes(size.width, size.height, line).to_string(),
         size,
         hint: if names.is_empty() {
-            String::new()
+            found.and_then(|found| padded(size, packing, found)).unwrap_or_default()
         } else {
             format!("; as many as packed as {}", names.join(" or "))
         },
     }
+}
+
+/// Most bytes at the end of a line that somebody would expect, and the multiple that such lines have.
+const PADDING: usize = 256;
+const ALIGNED: usize = 4;
+
+/// Returns what else would make a headerless file of so many bytes, if anything would: several frames, or padded lines.
+#[must_use]
+pub fn padded(size: Size, packing: Packing, found: u64) -> Option<String> {
+    let (height, pixels) = (size.height as u64, packing.bytes(size.width));
+    let frame = packing.frame_bytes(size.width, size.height, None) as u64;
+    if found > frame && found.is_multiple_of(frame) {
+        return Some(format!(
+            "; as many as {} frames have, which 'edof stream' and 'edof sensor' read",
+            found / frame
+        ));
+    }
+    let line = (pixels + 1..=pixels + PADDING)
+        .find(|line| line.is_multiple_of(ALIGNED) && found.is_multiple_of(*line as u64 * height))?;
+    let frames = found / (line as u64 * height);
+    let of = edof_core::words::count(frames as usize, "frame");
+    Some(format!("; as many as {of} with lines of {line} bytes: --line-bytes {line}"))
 }

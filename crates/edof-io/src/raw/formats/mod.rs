@@ -1,7 +1,7 @@
 //! The table of raw formats. A format that is added here is read, written, and named in messages and in the help of the program.
 
 mod cameras;
-mod headerless;
+pub mod headerless;
 mod npy;
 mod pictures;
 

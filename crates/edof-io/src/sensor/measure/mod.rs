@@ -33,7 +33,14 @@ const MAX_BLACK: f64 = 0.2;
 const MAX_SPREAD: f64 = 0.02;
 const MAX_RESPONSE: f64 = 0.1;
 /// Largest share of single pixels that are defective.
-const MAX_DEFECTIVE: f64 = 0.05;
+const MAX_DEFECTIVE: f64 = 0.01;
+/// Largest share of nodes of the grid whose gain is cut off.
+const MAX_CLIPPED: f64 = 0.1;
+/// Parts of full scale from which on dark frames look as if light had fallen on them: black, the difference of its four places, the spread of pixels, the
+/// noise.
+const DOUBTFUL_DARK: [f64; 4] = [0.13, 0.005, 0.005, 0.01];
+/// Gain of shading from which on flat frames look uneven.
+const DOUBTFUL_GAIN: f64 = 2.5;
 
 /// Limits and levels of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,10 +101,16 @@ pub enum MeasureError {
     NotFlat { found: f64 },
     /// More defects than a sensor has.
     #[error(
-        "{kind} frames: {found} of {pixels} pixels would be defective, expected at most {:.0} %; take them {how}, and check --packing, --bit-depth and --size",
+        "{found} of {pixels} pixels would be defective, expected at most {:.0} %; take dark frames with the cap on the lens and flat ones of even light, out of focus, check --packing, --bit-depth and --size, or raise --hot and --dead",
         100.0 * MAX_DEFECTIVE
     )]
-    TooManyDefects { kind: &'static str, found: usize, pixels: usize, how: &'static str },
+    TooManyDefects { found: usize, pixels: usize },
+    /// Flat frames whose light is not even.
+    #[error(
+        "flat frames: {clipped} of {nodes} nodes of the grid need a gain of 4 or more, expected at most {:.0} %; take them of even light, out of focus, and check --packing, --bit-depth and --size",
+        100.0 * MAX_CLIPPED
+    )]
+    Uneven { clipped: usize, nodes: usize },
     /// Flat frames that show no shading.
     #[error(
         "flat frames: the light of {} is {:.1} % of full scale, expected {:.0} to {:.0} %; change exposure or light",
@@ -146,6 +159,39 @@ pub struct Report {
     pub lost: Vec<(usize, usize)>,
     /// Nodes of the grid whose gain is cut off at 4.
     pub clipped_gains: usize,
+    /// What makes it doubtful that the frames show what they should.
+    pub doubts: Vec<Doubt>,
+}
+
+/// What of dark or flat frames says that light was where none should be, or was not even. Nothing is proved by it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Doubt {
+    /// A high black level, as part of full scale.
+    Black(f64),
+    /// Black differs between the four places of a cell, as the colours of light do.
+    Colours(f64),
+    /// Pixels differ more than those of a sensor do.
+    Pattern(f64),
+    /// Noise that light makes.
+    Noise(f64),
+    /// Light that falls off more than behind most lenses: the largest gain.
+    Shading(f64),
+}
+
+/// Returns what is doubtful of frames, by parts of full scale.
+fn doubts(dark: Option<&DarkReport>, flat: Option<&FlatReport>, full: f64) -> Vec<Doubt> {
+    let mut found = vec![];
+    if let Some(dark) = dark {
+        let [least, most] = dark.black.iter().fold([f64::INFINITY, 0.0], |[a, b], v| [v.min(a), v.max(b)]);
+        let parts = [most, most - least, dark.pattern, dark.noise].map(|value| value / full);
+        let kinds = [Doubt::Black, Doubt::Colours, Doubt::Pattern, Doubt::Noise];
+        let all = kinds.into_iter().zip(parts).zip(DOUBTFUL_DARK);
+        found.extend(all.filter(|((_, part), limit)| part > limit).map(|((kind, part), _)| kind(part)));
+    }
+    let shading = flat.map(|flat| flat.shading.into_iter().fold(1.0, f64::max));
+    found.extend(shading.filter(|gain| *gain > DOUBTFUL_GAIN).map(Doubt::Shading));
+    found
 }
 
 impl Sensor<'_> {
@@ -161,11 +207,12 @@ impl Sensor<'_> {
         let full = f64::from(1u32 << self.depth);
         let mut dark = self.dark.map(|frames| dark::measured(frames, limits.hot));
         if let Some(dark) = &dark {
-            self.check_dark(&dark.report, full)?;
+            Self::check_dark(&dark.report, full)?;
         }
         let black = dark.as_ref().map_or(limits.black.values(), |dark| dark.black);
         let white = white(limits.white, black, full)?;
         let mut known = self.known.clone();
+        let known_pixels = known.pixels.len();
         if let Some(dark) = &mut dark {
             known.columns.extend(dark::far_off(&mut dark.columns, full));
             known.rows.extend(dark::far_off(&mut dark.rows, full));
@@ -185,7 +232,7 @@ impl Sensor<'_> {
         });
         let flat = flat.transpose()?;
         if let Some(flat) = &flat {
-            self.check_flat(&flat.report)?;
+            Self::check_flat(&flat.report)?;
         }
         let mut clipped_gains = 0;
         if let Some(flat) = &flat {
@@ -195,6 +242,9 @@ impl Sensor<'_> {
                 *gain = gain_word(wanted);
             });
         }
+        if clipped_gains as f64 > MAX_CLIPPED * tables.gains.len() as f64 {
+            return Err(MeasureError::Uneven { clipped: clipped_gains, nodes: tables.gains.len() });
+        }
         tables.defects = defects(
             known,
             self.size,
@@ -202,6 +252,8 @@ impl Sensor<'_> {
         );
         let correction = Correction::new(tables)?;
         let Defects { pixels, columns, rows } = &correction.tables().defects;
+        let doubts =
+            doubts(dark.as_ref().map(|dark| &dark.report), flat.as_ref().map(|flat| &flat.report), full);
         let report = Report {
             size: self.size,
             phase: self.phase,
@@ -213,34 +265,38 @@ impl Sensor<'_> {
             defective_rows: rows.clone(),
             lost: correction.defects().lost(),
             clipped_gains,
+            doubts,
         };
+        self.check_count(&report, known_pixels)?;
         Ok((correction, report))
     }
 
     /// Rejects dark frames that no sensor makes without light.
-    fn check_dark(&self, dark: &DarkReport, full: f64) -> Result<(), MeasureError> {
+    fn check_dark(dark: &DarkReport, full: f64) -> Result<(), MeasureError> {
         let black = dark.black.into_iter().fold(0.0, f64::max);
         let limits = [("black is", black, MAX_BLACK), ("pixels spread by", dark.pattern, MAX_SPREAD)];
-        if let Some((what, found, part)) = limits.into_iter().find(|(_, found, part)| *found > part * full) {
-            return Err(MeasureError::NotDark { what, found, most: part * full, full });
+        match limits.into_iter().find(|(_, found, part)| *found > part * full) {
+            Some((what, found, part)) => Err(MeasureError::NotDark { what, found, most: part * full, full }),
+            None => Ok(()),
         }
-        self.check_count("dark", dark.hot + dark.cold, "with the cap on the lens")
     }
 
     /// Rejects flat frames that do not show even light.
-    fn check_flat(&self, flat: &FlatReport) -> Result<(), MeasureError> {
-        if flat.response > MAX_RESPONSE {
-            return Err(MeasureError::NotFlat { found: flat.response });
+    fn check_flat(flat: &FlatReport) -> Result<(), MeasureError> {
+        match flat.response > MAX_RESPONSE {
+            true => Err(MeasureError::NotFlat { found: flat.response }),
+            false => Ok(()),
         }
-        self.check_count("flat", flat.dead, "of even light, out of focus")
     }
 
-    fn check_count(&self, kind: &'static str, found: usize, how: &'static str) -> Result<(), MeasureError> {
+    /// Rejects more single defects, besides those that were named, than a sensor has.
+    fn check_count(&self, report: &Report, known: usize) -> Result<(), MeasureError> {
         let pixels = self.size.width * self.size.height;
-        if found as f64 > MAX_DEFECTIVE * pixels as f64 {
-            return Err(MeasureError::TooManyDefects { kind, found, pixels, how });
+        let found = report.defective_pixels.saturating_sub(known);
+        match found as f64 > MAX_DEFECTIVE * pixels as f64 {
+            true => Err(MeasureError::TooManyDefects { found, pixels }),
+            false => Ok(()),
         }
-        Ok(())
     }
 
     /// Adds the offsets of dark frames, in words.

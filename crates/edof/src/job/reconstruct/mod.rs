@@ -10,6 +10,7 @@ use super::device::Device;
 use super::npz::Npz;
 use super::{FrameNote, JobError};
 use crate::presets::weights;
+use edof_core::camera::Camera;
 use edof_core::overlap::Overlap;
 use edof_core::reconstructor::Multiplications;
 use edof_core::storage::atomic;
@@ -124,7 +125,10 @@ impl ReconstructJob {
     /// lens nobody said that it has a mask.
     fn network<'a>(&'a self, taken: &Taken) -> &'a str {
         let tone = self.tone(taken);
-        let trained = |camera| weights::trained_on(camera, tone).unwrap_or(weights::default_for(tone));
+        let usual = |camera: &Camera| {
+            if camera.is_clear() { weights::clear_for(tone) } else { weights::default_for(tone) }
+        };
+        let trained = |camera| weights::trained_on(camera, tone).unwrap_or_else(|| usual(camera));
         let usual = taken.camera.as_ref().map_or_else(|| weights::clear_for(tone), trained);
         let fitting = |record: &edof_io::record::RawRecord| weights::for_noise(usual, tone, record.noise);
         self.network.as_deref().unwrap_or_else(|| taken.record.as_ref().map_or(usual, fitting))

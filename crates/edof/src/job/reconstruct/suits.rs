@@ -10,6 +10,19 @@ use edof_core::camera::Camera;
 use edof_network::Fit;
 use edof_network::network::Origin;
 
+/// Largest defocus of a lens as part of that which a network was trained for.
+const MAX_DEFOCUS: f64 = 1.25;
+
+/// Whether both lenses have no mask, and the second has no more defocus than a network for the first was trained for: they differ in the size of their blur
+/// alone.
+fn is_similar(trained: &Camera, camera: &Camera) -> bool {
+    let is_plain = |camera: &Camera| camera.is_clear() && camera.psf_bank.is_none();
+    let defocus = |camera: &Camera| {
+        camera.psi_range.iter().map(|psi| (psi - camera.focus_psi).abs()).fold(0.0, f64::max)
+    };
+    is_plain(trained) && is_plain(camera) && defocus(camera) <= MAX_DEFOCUS * defocus(trained)
+}
+
 impl ReconstructJob {
     /// Rejects a network for another lens or another number of exposures; remarks where it was trained for another tone or noise.
     pub(super) fn check_suits(
@@ -50,10 +63,13 @@ impl ReconstructJob {
             is_recorded: taken.record.is_some(),
             tone: self.tone(taken),
         });
-        if !self.accepts_any_lens {
+        if is_similar(trained, camera) && self.further.is_empty() {
+            note(FrameNote::OtherClearLens(other));
+        } else if self.accepts_any_lens {
+            note(FrameNote::OtherLens(other));
+        } else {
             return Err(JobError::OtherLens(other));
         }
-        note(FrameNote::OtherLens(other));
         Ok(())
     }
 

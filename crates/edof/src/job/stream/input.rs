@@ -34,58 +34,7 @@ impl Layout {
     /// Returns the bytes of a frame.
     #[must_use]
     pub const fn bytes(&self) -> usize {
-        match self.line_bytes {
-            Some(bytes) => bytes * self.size.height,
-            None => self.pixel_bytes(),
-        }
-    }
-
-    /// Returns the bytes of a frame's pixels alone.
-    const fn pixel_bytes(&self) -> usize {
-        self.packing.bytes(self.size.width * self.size.height)
-    }
-
-    /// Returns the bytes of a line's pixels.
-    const fn line(&self) -> usize {
-        self.packing.bytes(self.size.width)
-    }
-
-    /// Checks that lines are as long as their pixels, which a padded line holds whole.
-    pub(super) fn check(&self) -> Result<(), StreamError> {
-        let (width, pixels) = (self.size.width, self.line());
-        let is_whole =
-            (width * self.packing.bits() as usize).is_multiple_of(8) && self.line_of_whole_groups();
-        match self.line_bytes {
-            Some(found) if found < pixels || !is_whole => Err(StreamError::LineBytes {
-                found,
-                expected: pixels,
-                width,
-                packing: self.packing,
-                is_whole,
-            }),
-            _ => Ok(()),
-        }
-    }
-
-    /// Whether a line's pixels end where a group of packed pixels does.
-    const fn line_of_whole_groups(&self) -> bool {
-        let group = match self.packing {
-            Packing::Mipi10 | Packing::Bits10 => 4,
-            _ => 2,
-        };
-        self.size.width.is_multiple_of(group)
-    }
-
-    /// Takes the padding out of a frame.
-    pub(super) fn without_padding<'a>(&self, bytes: &'a [u8], memory: &'a mut Vec<u8>) -> &'a [u8] {
-        match self.line_bytes.filter(|line| *line != self.line()) {
-            None => bytes,
-            Some(line) => {
-                memory.clear();
-                bytes.chunks_exact(line).for_each(|whole| memory.extend_from_slice(&whole[..self.line()]));
-                memory
-            }
-        }
+        self.packing.frame_bytes(self.size.width, self.size.height, self.line_bytes)
     }
 
     /// Returns the bits of the sensor.
@@ -129,8 +78,8 @@ pub(super) struct Words {
     memory: Vec<u16>,
     /// A frame without the padding of its lines.
     pixels: Vec<u8>,
-    /// Largest sensor value of the first frame.
-    largest: Option<u16>,
+    /// Least and largest sensor value of the first frame.
+    first_values: Option<[u16; 2]>,
 }
 
 impl Words {
@@ -140,7 +89,7 @@ impl Words {
         sensor: Option<Arc<Correction>>,
         values: Tone,
     ) -> Result<Self, StreamError> {
-        layout.check()?;
+        layout.packing.check_line(layout.size.width, layout.line_bytes)?;
         let Layout { size, phase, levels, .. } = layout;
         let tables = match &sensor {
             Some(sensor) => {
@@ -151,18 +100,20 @@ impl Words {
         };
         let encoded = || tables_of_light(phase, values);
         let sensor = sensor.map(|sensor| Ok::<_, StreamError>((sensor, encoded()?))).transpose()?;
-        Ok(Self { layout, tables, sensor, memory: vec![], pixels: vec![], largest: None })
+        Ok(Self { layout, tables, sensor, memory: vec![], pixels: vec![], first_values: None })
     }
 
     /// Makes a frame of its bytes.
     pub(super) fn frame(&mut self, number: u64, bytes: &[u8]) -> Result<RawFrame, StreamError> {
         let Layout { size: Size { width, height }, packing, order, phase, .. } = self.layout;
         let mut values = std::mem::take(&mut self.memory);
-        let bytes = self.layout.without_padding(bytes, &mut self.pixels);
+        let bytes = packing.without_padding(width, self.layout.line_bytes, bytes, &mut self.pixels);
         packing.values_into(bytes, order, &mut values).map_err(|Stray { pixel, code }| {
             StreamError::Code { number, row: pixel / width, column: pixel % width, code }
         })?;
-        self.largest.get_or_insert_with(|| values.iter().copied().max().unwrap_or(0));
+        self.first_values.get_or_insert_with(|| {
+            values.iter().fold([u16::MAX, 0], |[least, most], value| [least.min(*value), most.max(*value)])
+        });
         for (row, line) in values.chunks_exact_mut(width).enumerate() {
             let [even, odd] = [0, 1].map(|column| self.tables[2 * (row % 2) + column].as_slice());
             for (pair, [left, right]) in line.as_chunks_mut().0.iter_mut().enumerate() {
@@ -187,9 +138,9 @@ impl Words {
         Ok(RawFrame::from_values(words, 16, phase)?)
     }
 
-    /// Returns the largest sensor value of the first frame, once there was one.
-    pub(super) const fn largest(&self) -> Option<u16> {
-        self.largest
+    /// Returns the least and the largest sensor value of the first frame, once there was one.
+    pub(super) const fn first_values(&self) -> Option<[u16; 2]> {
+        self.first_values
     }
 
     /// Takes a frame's memory for the next one.
@@ -293,7 +244,7 @@ mod tests {
         for packing in [Packing::Words, Packing::Bytes, Packing::Mipi10, Packing::Bits12] {
             let plain = Layout { levels: Levels::default(), ..layout(packing) };
             let bytes: Vec<u8> = (0..plain.bytes()).map(|i| (i * 37 % 251) as u8).collect();
-            let line = plain.line();
+            let line = packing.bytes(plain.size.width);
             let padded = Layout { line_bytes: Some(line + 5), ..plain };
             let longer: Vec<u8> = bytes.chunks(line).flat_map(|line| [line, &[9; 5]].concat()).collect();
             assert_eq!(padded.bytes(), longer.len());
@@ -311,7 +262,7 @@ mod tests {
             refused(11, 8, Packing::Bits12)
                 .starts_with("11 bytes for a line of 8 pixels, expected at least 12")
         );
-        assert!(refused(20, 10, Packing::Mipi10).contains("do not end at a whole group"));
+        assert!(refused(20, 10, Packing::Mipi10).contains("ends inside of a group"));
     }
 
     #[test]

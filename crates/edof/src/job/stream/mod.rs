@@ -25,7 +25,7 @@ use edof_core::frame::FrameError;
 use edof_core::geometry::GeometryError;
 use edof_golden::{Curve, Display, Golden, Mix, Picture};
 use edof_io::levels::LevelsError;
-use edof_io::packing::Packing;
+use edof_io::packing::{LineError, Packing};
 use edof_io::raw::Size;
 use edof_io::rendering::ColourMatrix;
 use edof_io::sensor::{Correction, OtherSensor};
@@ -105,16 +105,9 @@ pub enum StreamError {
         "frame {number}: pixel at row {row}, column {column}: byte {code} carries no part of a word, expected 64 to 191"
     )]
     Code { number: u64, row: usize, column: usize, code: u8 },
-    /// Lines shorter than their pixels, or padded where pixels share bytes with the next line's.
-    #[error(
-        "{found} bytes for a line of {width} pixels, {}",
-        if *is_whole {
-            format!("expected at least {expected} packed as {}", packing.name())
-        } else {
-            format!("whose pixels packed as {} do not end at a whole group; state no bytes for a line, or another packing", packing.name())
-        }
-    )]
-    LineBytes { found: usize, expected: usize, width: usize, packing: Packing, is_whole: bool },
+    /// Lines that cannot be padded so.
+    #[error(transparent)]
+    LineBytes(#[from] LineError),
     /// Frames that cannot be raw frames.
     #[error(transparent)]
     Frame(#[from] FrameError),
@@ -321,7 +314,7 @@ impl StreamJob {
                 Popped::Closed => break,
             };
             let raw = words.frame(number, &bytes)?;
-            words.largest().into_iter().for_each(|largest| shared.tally().began(largest));
+            words.first_values().into_iter().for_each(|values| shared.tally().began(values));
             drop(shared.free.push_newest(bytes));
             let mut picture = shared.written.try_pop().unwrap_or_else(Picture::empty);
             let frame = stream.frame(&raw)?;

@@ -16,8 +16,8 @@ pub struct Pace {
     pub latency_ms: f64,
     /// The most.
     pub most_latency_ms: f64,
-    /// Largest sensor value of the first frame.
-    pub largest_value: u16,
+    /// Least and largest sensor value of the first frame.
+    pub first_values: [u16; 2],
 }
 
 /// Counts frames.
@@ -25,7 +25,7 @@ pub(super) struct Tally {
     second: Span,
     all: Span,
     dropped: u64,
-    largest: u16,
+    first_values: [u16; 2],
 }
 
 /// Buckets of latencies in a millisecond.
@@ -65,7 +65,7 @@ impl Span {
 
 impl Tally {
     pub(super) fn new(now: Instant) -> Self {
-        Self { second: Span::new(now), all: Span::new(now), dropped: 0, largest: 0 }
+        Self { second: Span::new(now), all: Span::new(now), dropped: 0, first_values: [0; 2] }
     }
 
     /// Counts a frame that was written.
@@ -75,9 +75,9 @@ impl Tally {
         }
     }
 
-    /// Notes the largest sensor value of the first frame.
-    pub(super) const fn began(&mut self, largest: u16) {
-        self.largest = largest;
+    /// Notes the least and the largest sensor value of the first frame.
+    pub(super) const fn began(&mut self, values: [u16; 2]) {
+        self.first_values = values;
     }
 
     /// Counts a frame that was left out.
@@ -107,7 +107,7 @@ impl Tally {
             dropped: self.dropped,
             latency_ms: span.quantile_ms(0.5),
             most_latency_ms: span.quantile_ms(1.0),
-            largest_value: self.largest,
+            first_values: self.first_values,
         }
     }
 }
