@@ -55,12 +55,10 @@ fit k2e2-3x3 "$(nets k2e2 2)" patches=3
 one=(gain=1.41421354:1.45 steps=6000)
 go mblind from=$d/blind-on3.safetensors lambdas="$l" "${one[@]}"
 go mblindb from=$d/mblind.safetensors lambdas="$l" "${one[@]}"
-go mblindb-2 from=$d/mblind.safetensors lambdas="$l" seed=2 "${one[@]}"
 fit m2e0 "$(nets k2w 2)" electrons=10000 balance=1
 em m2e1 k2w m2e0 2 "${one[@]}"
 fit m2e1 "$(nets m2e1 2)" electrons=10000
 em m2e2 m2e1 m2e1 2 "${one[@]}"
-em m2e2s2 m2e1 m2e1 2 seed=2 "${one[@]}"
 fit m2e2 "$(nets m2e2 2)" electrons=10000
 fit m2e2-3x3 "$(nets m2e2 2)" electrons=10000 patches=3
 # Three classes: those two, and the blind one. (With a network of ψ 8 alone as the third, the router sends it nothing.)
