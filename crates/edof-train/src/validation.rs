@@ -53,7 +53,8 @@ impl ValidationSets {
     pub fn new(dataset: &Dataset, conditions: &Conditions) -> Self {
         let mut places = Vec::new();
         for photo in 0..dataset.photos() {
-            places.extend(spread(dataset.psis().len()).into_iter().map(|psi| Place { photo, psi }));
+            let depths = dataset.depths();
+            places.extend(spread(depths.len()).into_iter().map(|at| Place { photo, psi: depths[at] }));
         }
         let all = places.into_par_iter().enumerate().flat_map_iter(|(index, place)| {
             let levels = conditions.validated(dataset.tone());

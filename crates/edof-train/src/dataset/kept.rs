@@ -91,6 +91,7 @@ impl Dataset {
             photos: photos.len(),
             reach: head.reach,
             turns: head.turns,
+            selection: None,
         })
     }
 }
