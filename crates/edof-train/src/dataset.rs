@@ -13,7 +13,6 @@ use crate::augment::Augmentation;
 use crate::encoding::encode;
 use crate::holdout::Holdout;
 use crate::noise::{Conditions, NOISE_CLASSES, expose};
-use crate::router::Selection;
 use edof_core::camera::Camera;
 use edof_core::cfa::CfaPhase;
 use edof_core::colour::RGB_OUTPUTS;
@@ -68,12 +67,7 @@ pub struct Dataset {
     reach: usize,
     /// Flips and turns that leave every PSF unchanged.
     turns: Vec<usize>,
-    /// What is drawn; none where all is.
-    selection: Option<Selection>,
 }
-
-/// Windows that are looked at for one of a selection; the last is taken, whatever it is.
-const MOST_TRIES: usize = 200;
 
 /// One look of a photograph in one tone.
 #[derive(Debug)]
@@ -202,14 +196,7 @@ impl Dataset {
             pictures.extend(looks);
         }
         let _ = tell(photos.len(), photos.len());
-        Ok(Some(Self {
-            pictures,
-            photos: photos.len(),
-            options,
-            reach,
-            turns: turns(&psfs),
-            selection: None,
-        }))
+        Ok(Some(Self { pictures, photos: photos.len(), options, reach, turns: turns(&psfs) }))
     }
 
     /// ψ of each blur.
@@ -254,25 +241,6 @@ impl Dataset {
         self.reach
     }
 
-    /// Draws windows of a selection alone from now on.
-    pub fn select(&mut self, selection: Option<Selection>) {
-        self.selection = selection;
-    }
-
-    /// Positions of the depths that windows are drawn of.
-    #[must_use]
-    pub fn depths(&self) -> Vec<usize> {
-        self.selection
-            .as_ref()
-            .map_or_else(|| (0..self.psis().len()).collect(), |s| s.depths(self.psis().len()))
-    }
-
-    /// Pixels a side that are looked at where a window is drawn.
-    fn context(&self) -> usize {
-        let side = self.window().side();
-        self.selection.as_ref().map_or(side, |s| s.context(side).max(side))
-    }
-
     /// Whether all PSFs are their own transposes, so that the picture of a transposed scene is the transposed picture.
     #[must_use]
     pub fn is_transposable(&self) -> bool {
@@ -287,27 +255,17 @@ impl Dataset {
 
     /// Fills a batch with random training windows.
     pub fn draw(&self, random: &mut Random, conditions: &Conditions, batch: &mut Batch) {
-        let depths = self.depths();
         for index in 0..batch.windows() {
-            for _ in 0..MOST_TRIES {
-                let place =
-                    Place { photo: random.below(self.photos), psi: depths[random.below(depths.len())] };
-                let picture = self.picture(place, random.below(self.options.augmentation.variants));
-                let (class, noise) = conditions.draw(random, self.tone());
-                let exposure = random.between(conditions.exposure);
-                let corner = picture.holdout.training(random, self.context());
-                batch.cells[index] = self.cell(place, class) as u32;
-                batch.classes[index] = class as u8;
-                let taken = match conditions.draw_colour(random, self.tone()) {
-                    Some(colour) => {
-                        self.fill(random, colour, noise, batch, index);
-                        true
-                    }
-                    None => self.cut(random, picture, place, corner, exposure, noise, batch, index),
-                };
-                if taken {
-                    break;
-                }
+            let place = Place { photo: random.below(self.photos), psi: random.below(self.psis().len()) };
+            let picture = self.picture(place, random.below(self.options.augmentation.variants));
+            let (class, noise) = conditions.draw(random, self.tone());
+            let exposure = random.between(conditions.exposure);
+            let corner = picture.holdout.training(random, self.window().side());
+            batch.cells[index] = self.cell(place, class) as u32;
+            batch.classes[index] = class as u8;
+            match conditions.draw_colour(random, self.tone()) {
+                Some(colour) => self.fill(random, colour, noise, batch, index),
+                None => self.cut(random, picture, place, corner, exposure, noise, batch, index),
             }
         }
     }
@@ -327,12 +285,8 @@ impl Dataset {
     pub fn draw_validation(&self, random: &mut Random, place: Place, noise: Noise, batch: &mut Batch) {
         let picture = self.picture(place, 0);
         for index in 0..batch.windows() {
-            for _ in 0..MOST_TRIES {
-                let corner = picture.holdout.validation(random, self.context());
-                if self.cut(random, picture, place, corner, 1.0, noise, batch, index) {
-                    break;
-                }
-            }
+            let corner = picture.holdout.validation(random, self.window().side());
+            self.cut(random, picture, place, corner, 1.0, noise, batch, index);
         }
     }
 
@@ -355,34 +309,25 @@ impl Dataset {
         noise: Noise,
         batch: &mut Batch,
         index: usize,
-    ) -> bool {
-        let (window, context) = (self.window(), self.context());
-        let (side, inputs, around) = (window.side(), self.inputs(), (context - window.side()) / 2);
-        let turn = Turn::new(self.turns[random.below(self.turns.len())], picture.width, context);
+    ) {
+        let window = self.window();
+        let (side, inputs) = (window.side(), self.inputs());
+        let turn = Turn::new(self.turns[random.below(self.turns.len())], picture.width, side);
         let base = (row * picture.width + column) * 3;
         let unit = exposure / f32::from(u16::MAX);
+        let input = &mut batch.inputs[index * inputs..][..inputs];
         let blurs = picture.blurred.iter().skip(place.psi).step_by(self.psis().len());
-        let mut seen = vec![0.0; self.exposures() * context * context];
-        for (blurred, pixels) in blurs.zip(seen.chunks_exact_mut(context * context)) {
-            turn.read(&blurred[base..], 0, RGGB, unit, context, pixels);
+        for (blurred, pixels) in blurs.zip(input.chunks_exact_mut(window.pixels())) {
+            turn.read(&blurred[base..], 0, RGGB, unit, side, pixels);
         }
-        expose(noise, random, &mut seen);
+        expose(noise, random, input);
         let target = &mut batch.targets[index * RGB_OUTPUTS..][..RGB_OUTPUTS];
         for (plane, values) in target.chunks_exact_mut(PATCH * PATCH).enumerate() {
-            turn.read(&picture.sharp[base..], window.margin() + around, [[plane; 2]; 2], unit, PATCH, values);
+            turn.read(&picture.sharp[base..], window.margin(), [[plane; 2]; 2], unit, PATCH, values);
         }
         // What no sensor can tell from white, no network is asked for.
         target.iter_mut().for_each(|v| *v = v.min(1.0));
-        if self.tone() == Tone::Srgb {
-            seen.iter_mut().chain(target).for_each(|v| *v = encode(*v));
-        }
-        let input = &mut batch.inputs[index * inputs..][..inputs];
-        for (all, own) in seen.chunks_exact(context * context).zip(input.chunks_exact_mut(window.pixels())) {
-            for (r, line) in own.chunks_exact_mut(side).enumerate() {
-                line.copy_from_slice(&all[(r + around) * context + around..][..side]);
-            }
-        }
-        self.selection.as_ref().is_none_or(|selection| selection.takes(&seen, noise))
+        self.encode(batch, index);
     }
 
     /// Light of a window becomes values of the tone.

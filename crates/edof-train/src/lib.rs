@@ -28,7 +28,6 @@ pub mod joint;
 pub mod noise;
 pub mod precondition;
 pub mod recipe;
-pub mod router;
 pub mod structure;
 pub mod threads;
 pub mod train;

@@ -53,8 +53,7 @@ impl ValidationSets {
     pub fn new(dataset: &Dataset, conditions: &Conditions) -> Self {
         let mut places = Vec::new();
         for photo in 0..dataset.photos() {
-            let depths = dataset.depths();
-            places.extend(spread(depths.len()).into_iter().map(|at| Place { photo, psi: depths[at] }));
+            places.extend(spread(dataset.psis().len()).into_iter().map(|psi| Place { photo, psi }));
         }
         let all = places.into_par_iter().enumerate().flat_map_iter(|(index, place)| {
             let levels = conditions.validated(dataset.tone());

@@ -91,7 +91,6 @@ impl Dataset {
             photos: photos.len(),
             reach: head.reach,
             turns: head.turns,
-            selection: None,
         })
     }
 }
