@@ -343,12 +343,12 @@ fn check_room(raw: &RawFrame, frame: FrameSize, count: usize) -> Result<(), Erro
     let (height, width) = raw.size();
     let reach = SHIFT * (count - 1);
     let needed = (frame.width + reach, frame.height + reach);
-    let frames = format!("the {} that are sent", words::count(count, "frame"));
+    let frames = words::count(count, "frame");
     if width >= needed.0 && height >= needed.1 {
         return Ok(());
     }
     Err(Error::message(format!(
-        "{width}x{height}, must be at least {}x{} for {frames} of {}x{}; give a larger --photo, or, without --rtl, a smaller --size",
+        "{width}x{height}, must be at least {}x{} for the {frames} of {}x{} that are sent; give a larger --photo, fewer --frames, or, without --rtl, a smaller --size",
         needed.0, needed.1, frame.width, frame.height
     )))
 }
