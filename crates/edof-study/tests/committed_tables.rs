@@ -267,8 +267,10 @@ fn the_page_of_masks_says_what_its_rows_say() {
 
 #[test]
 fn the_page_of_known_depths_says_what_its_rows_say() {
-    let study: LensNetworks = study_of_page("depth-known");
-    assert!(study.photographs == 8 && study.lenses.iter().any(|lens| lens.known));
+    for page in ["depth-known", "depth-known-16"] {
+        let study: LensNetworks = study_of_page(page);
+        assert!(study.photographs == 8 && study.lenses.iter().any(|lens| lens.known), "{page}");
+    }
 }
 
 #[test]
