@@ -65,6 +65,9 @@ fn a_whole_frame_is_put_and_its_picture_comes_back() {
     ] {
         place.edof(&format!("board picture put raw.pgm --size {size} --port board")).refused(&[words]);
     }
+    place
+        .edof("board picture get out.png --size 64x64 --at 64,0 --port board")
+        .refused(&["--size 64x64: reaches out of the board's frame of 96x80"]);
     place.edof("board picture get odd.png --size 63x64 --port board").refused(&["--size 63x64: must be "]);
     write_raw(&place, 94, 80);
     place

@@ -46,6 +46,11 @@ fn advise_needs_no_mask_for_a_narrow_range_in_little_light_and_writes_the_lens()
         "{}",
         run.out
     );
+    assert!(run.out.contains("White has 1000 electrons behind that aperture"), "{}", run.out);
+    // A stop leaves half of the light.
+    let closed =
+        place.edof("optics advise ring-outer --range 8:0 --electrons 10000 --out closed.json").done().out;
+    assert!(closed.contains("White has 7071 electrons") && closed.contains("gain=1.414;"), "{closed}");
     let camera = Camera::resolve(place.path("lens.json").to_str().unwrap()).unwrap();
     assert!(camera.is_clear() && camera.focus_psi == 4.0 && camera.name == "lens");
     place.photo("photo.png", 64, 48);

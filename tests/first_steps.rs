@@ -101,7 +101,13 @@ fn the_network_is_that_of_the_lens_that_took_the_frame_and_of_a_clear_one_where_
             .done();
     }
     let run = place.edof("reconstruct mine.png --out picture-mine.png").done();
-    assert!(run.err.contains("was trained for another lens without a mask, clear-mid (F/3.5"), "{}", run.err);
+    assert!(
+        run.err.contains(
+            "was trained for another lens without a mask, clear-mid; the blur of mine is 0.8 times as large"
+        ),
+        "{}",
+        run.err
+    );
     place
         .edof("reconstruct far.png --out picture-far.png")
         .refused(&["trained for the camera clear-mid", "focus_psi"]);
@@ -111,6 +117,41 @@ fn the_network_is_that_of_the_lens_that_took_the_frame_and_of_a_clear_one_where_
         let run = place.edof(&line).done();
         assert!(run.out.contains(&format!("by {network}.fixed")), "{}", run.out);
     }
+}
+
+#[test]
+fn the_largest_difference_lies_inside_of_the_border() {
+    let place = Place::new();
+    place.photo("a.png", 64, 48);
+    let mut picture = edof_io::photo::load(&place.path("a.png")).unwrap();
+    // A large one in the border, a smaller one inside.
+    for (at, by) in [((0, 0, 0), 0.5), ((0, 10, 20), 0.1)] {
+        let value = &mut picture.planes[at];
+        *value += if *value < 0.5 { by } else { -by };
+    }
+    edof_io::photo::save(&place.path("b.png"), &picture, 8).unwrap();
+    place.edof("compare a.png b.png --json found.json").done();
+    let largest = json(&place, "found.json")["largest"].clone();
+    assert_eq!((&largest["row"], &largest["column"]), (&10.into(), &20.into()), "{largest}");
+    place.edof("compare a.png b.png --border 0 --json found.json").done();
+    assert_eq!(json(&place, "found.json")["largest"]["row"], 0);
+}
+
+#[test]
+fn a_capture_states_its_light_and_a_depth_outside_of_the_cameras_range() {
+    let place = Place::new();
+    place.photo("photo.png", 64, 48);
+    let line = "capture photo.png --camera clear-mid --noise sensor:full-well=6000:gain=2 --out raw.png";
+    let run = place.edof(&format!("{line} --psi 9")).done();
+    assert!(run.out.contains("white has 3000 electrons; that is gain 3.333 for edof train"), "{}", run.out);
+    assert!(run.err.contains("psi 9.00: is outside of clear-mid's range, 0.00 to 8.00"), "{}", run.err);
+    assert!(!place.edof(&format!("{line} --psi 8")).done().err.contains("is outside"));
+    // Without --psi, the figures are of the whole range of a camera.
+    let wide = include_str!("../cameras/clear-mid.json").replace("8.0", "12.0");
+    place.write("wide.json", wide);
+    let figures = json_of(&place.edof("optics wide.json --out figures --json").done().out);
+    let last = figures["depths"].as_array().unwrap().last().unwrap();
+    assert_eq!((figures["depths"].as_array().unwrap().len(), &last["psi"]), (9, &12.0.into()));
 }
 
 #[test]

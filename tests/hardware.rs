@@ -425,6 +425,14 @@ fn a_folder_of_another_design_or_network_is_no_folder_of_this_one() {
     place
         .edof(&format!("{line} two.fixed.safetensors"))
         .refused(&["--rtl built/mem/", " of the network of --weights"]);
+    // A word of a display table, which no window of the calculator needs.
+    let table = place.path("built/mem/display_luma.mem");
+    let words = std::fs::read_to_string(&table).unwrap();
+    std::fs::write(&table, words.replacen("10\n", "11\n", 1)).unwrap();
+    place
+        .edof(&format!("{line} one.fixed.safetensors"))
+        .refused(&["mem/display_luma.mem, line 1: 11, expected 10"]);
+    std::fs::write(&table, words).unwrap();
     place
         .edof("cosim --design paper --random 5 --rtl built")
         .refused(&["--rtl built: is of another design, accumulator_bits is 48, expected 40"]);

@@ -198,11 +198,11 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     }
     psf_bank::remark(&jobs[0].camera, ui);
     if let Noise::Sensor(sensor) = jobs[0].sensor.noise {
-        ui.note(format!(
+        ui.say(format!(
             "noise: white has {} electrons; that is gain {} for edof train and edof stream",
             number(sensor.full_scale_e().round()),
             number((1e3 * equal_gain(sensor)).round() / 1e3)
-        ));
+        ))?;
     }
     match &shots[..] {
         [one] => ui.json(one),

@@ -138,8 +138,8 @@ impl FromStr for Balanced {
     }
 }
 
-/// Part of full scale above which the least value of a frame says that darkness was not stated.
-const GREY: f64 = 0.01;
+/// Part of full scale above which the least value of a frame says that darkness may not be stated: sensors have 4 to 12 %.
+const GREY: f64 = 0.03;
 
 /// Bytes that show a format.
 const HEAD: u64 = 16;
@@ -349,7 +349,7 @@ impl Args {
         let is_grey = black == 0.0 && f64::from(least) > GREY * f64::from(full);
         let grey = is_grey.then(|| {
             format!(
-                "the least value of the first frame is {least} of {full}, and --black-level is 0: state the sensor's value of darkness, or pictures are pale"
+                "the least value of the first frame is {least} of {full}, and --black-level is 0: if the sensor's darkness is that bright, state it, or pictures are pale"
             )
         });
         let is_black = black > f64::from(largest);

@@ -84,7 +84,21 @@ pub struct OtherLens {
     pub tone: Tone,
 }
 
+/// Returns the largest defocus of a camera over its range, in radians.
+pub(super) fn largest_defocus(camera: &Camera) -> f64 {
+    camera.psi_range.iter().map(|psi| (psi - camera.focus_psi).abs()).fold(0.0, f64::max)
+}
+
 impl OtherLens {
+    /// Returns how many times as large the largest blur in pixels is as that of the lens that the network was trained for. A blur grows with ψ·λ·F/pitch.
+    #[must_use]
+    pub fn blur_ratio(&self) -> f64 {
+        let blur = |camera: &Camera| {
+            largest_defocus(camera) * camera.wave_um(camera.reference_wavelength_nm) / camera.pixel_pitch_um
+        };
+        blur(&self.camera) / blur(&self.trained)
+    }
+
     /// States the network and how the two lenses differ; `option` is what states the camera where no record does.
     #[must_use]
     pub fn in_words(&self, option: &str) -> String {

@@ -3,10 +3,9 @@
 use super::options::Args;
 use crate::error::Error;
 use crate::{lens, weights};
-use edof::job::{FrameNote, JobError, OtherLens};
+use edof::job::{FrameNote, JobError};
 use edof_core::camera::Camera;
 use edof_core::frame::FrameError;
-use edof_core::words::number;
 use edof_core::{CfaPhase, Channel, Tone};
 use edof_io::camera_raw::CameraRawError;
 use edof_io::levels::LevelsError;
@@ -146,25 +145,15 @@ impl Wording<'_> {
             FrameNote::OtherLens(other) => {
                 format!("--weights {}; used nevertheless", other.in_words("--camera"))
             }
-            FrameNote::OtherClearLens(other) => {
-                let OtherLens { path, network, trained, camera, .. } = &*other;
-                format!(
-                    "{}: network {network} was trained for another lens without a mask, {} (F/{:.1}, pixels of {} um, psi {} to {}; here {}: F/{:.1}, {} um, \
-                     psi {} to {}); one of its own may be better: {}",
-                    path.display(),
-                    trained.name,
-                    trained.f_number(),
-                    number(trained.pixel_pitch_um),
-                    short(trained.psi_range[0]),
-                    short(trained.psi_range[1]),
-                    camera.name,
-                    camera.f_number(),
-                    number(camera.pixel_pitch_um),
-                    short(camera.psi_range[0]),
-                    short(camera.psi_range[1]),
-                    lens::how_to_train(camera)
-                )
-            }
+            FrameNote::OtherClearLens(other) => format!(
+                "{}: network {} was trained for another lens without a mask, {}; the blur of {} is {:.1} times as large; one of its own may be better: {}",
+                other.path.display(),
+                other.network,
+                other.trained.name,
+                other.camera.name,
+                other.blur_ratio(),
+                lens::how_to_train(&other.camera)
+            ),
             FrameNote::OtherTone { path, network, camera, trained, tone } => {
                 format!(
                     "--weights {network}: trained on pictures of tone {trained}, {} is of {tone}: {}",
@@ -212,11 +201,6 @@ impl Wording<'_> {
             _ => "a dark picture, or --bit-depth and --align are not as it was taken",
         }
     }
-}
-
-/// A number with at most two decimals.
-fn short(value: f64) -> String {
-    number((100.0 * value).round() / 100.0)
 }
 
 fn of_raw(raw: &Path, why: &str) -> Error {

@@ -2,7 +2,7 @@
 
 use super::ReconstructJob;
 use super::frame::Taken;
-use crate::job::note::OtherLens;
+use crate::job::note::{OtherLens, largest_defocus};
 use crate::job::{FrameNote, JobError};
 use crate::presets::weights;
 use edof_core::ReconstructError;
@@ -17,10 +17,7 @@ const MAX_DEFOCUS: f64 = 1.25;
 /// alone.
 fn is_similar(trained: &Camera, camera: &Camera) -> bool {
     let is_plain = |camera: &Camera| camera.is_clear() && camera.psf_bank.is_none();
-    let defocus = |camera: &Camera| {
-        camera.psi_range.iter().map(|psi| (psi - camera.focus_psi).abs()).fold(0.0, f64::max)
-    };
-    is_plain(trained) && is_plain(camera) && defocus(camera) <= MAX_DEFOCUS * defocus(trained)
+    is_plain(trained) && is_plain(camera) && largest_defocus(camera) <= MAX_DEFOCUS * largest_defocus(trained)
 }
 
 impl ReconstructJob {
