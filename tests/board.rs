@@ -6,7 +6,7 @@ use crate::support::{Place, forge};
 use edof_core::Tone;
 use edof_network::weight_file;
 use serde_json::Value;
-use std::io::{Read, Write};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -265,6 +265,96 @@ fn a_simulated_board_is_exact_and_says_so() {
     other.refused(&["bank", "holds none of the networks that fit"]);
 }
 
+/// A network that nobody named is that of the simulation, and the board says so.
+#[test]
+fn the_random_network_of_a_simulated_board_is_known() {
+    let place = Place::new();
+    let _sim = Sim::start(&place, "");
+    let said = board(&place, "info");
+    assert_eq!(said.matches("random-test-network").count(), 2, "{said}");
+    let said = board(&place, "info --quick");
+    assert!(
+        said.contains(", in use, random-test-network by its hash\nbank b: hash unknown, not read\n"),
+        "{said}"
+    );
+    assert!(!said.contains("display tables") && !said.contains("checksum"), "{said}");
+    assert!(board(&place, "check --frames 1").ends_with("bit-exact on this board, at speed\n"));
+}
+
+#[test]
+fn commands_that_change_the_board_print_what_they_did() {
+    let place = Place::new();
+    let _sim = Sim::start(&place, "");
+    for (line, words) in [
+        ("set control.colour 0", "control.colour is 0x0 (0), read back; before it was 0x1 (1)"),
+        ("set scratch 0x1f", "scratch is 0x1f (31), read back; before it was 0x0 (0)"),
+        ("set tile[3] 7", "tile[3]: 0x7 (7) was written; the board took it, and has no way to read it back"),
+        ("skip off", "every stage multiplies all values, zeros too"),
+        ("display luma", "pictures are encoded by luma alone"),
+        ("flush", "the frame in progress was dropped; the next one runs"),
+        ("picture off", "the source's frames are used again"),
+    ] {
+        assert_eq!(board(&place, line), format!("{words}\n"), "{line}");
+    }
+    assert!(board(&place, "reset").starts_with("the core was reset: bank a is in use as before"));
+    let status = board(&place, "status --seconds 0.2");
+    assert!(status.starts_with("memory: ready\ncalculator: runs at 100 MHz with bank a, busy "), "{status}");
+    board(&place, "set control.run 0");
+    let status = board(&place, "status --seconds 0.2");
+    assert!(status.contains("calculator: STOPPED, the last picture is repeated"), "{status}");
+    let run = place.edof("board reset --port board --design kc705").done();
+    assert_eq!(run.err, "board: the board has the design tiny, not kc705: --design is ignored\n");
+}
+
+/// A load of all words that has begun, and what it prints behind its first words.
+fn begun(place: &Place) -> (Child, impl Iterator<Item = String>) {
+    let line = "board load new.fixed.safetensors --full --read-back --port board --progress json";
+    let mut child = place.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+    assert!(lines.any(|line| line.contains("\"progress\":\"words\"") && !line.contains("\"total\":0")));
+    (child, lines)
+}
+
+#[test]
+fn a_load_that_breaks_off_says_what_the_board_does_now() {
+    let place = Place::new();
+    drawn(&place, "new", 9);
+    let sim = Sim::start(&place, "");
+    let now = "the load is not complete: the weights in use are still used, the other bank is half written";
+    let (mut child, lines) = begun(&place);
+    signal(&child, "-INT");
+    let said: Vec<String> = lines.collect();
+    assert!(
+        said.iter().any(|line| line.contains(now)) && said.last().unwrap().contains("interrupted"),
+        "{said:?}"
+    );
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let (mut child, lines) = begun(&place);
+    drop(sim);
+    let said: Vec<String> = lines.collect();
+    assert!(said.iter().any(|line| line.contains(now)), "{said:?}");
+    assert!(said.last().unwrap().contains("board: the board went away"), "{said:?}");
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+    // Its link is left behind, as it was killed.
+    place.edof("board info --port board").refused(&["board: leads nowhere: the simulated board"]);
+}
+
+#[test]
+fn a_port_without_an_answer_is_reported_with_every_speed_that_was_tried() {
+    let place = Place::new();
+    let sim = Sim::start(&place, "");
+    signal(&sim.child, "-STOP");
+    let run = place.edof("board find --port board --timeout 0.01");
+    assert_eq!((run.code, run.out.as_str()), (Some(1), "board: no board answers\n"));
+    assert!(
+        run.err.starts_with("edof: board: no answer at 921600 or 2000000 bits per second: "),
+        "{}",
+        run.err
+    );
+    let named = place.edof("board info --port board --timeout 0.01 --baud 115200");
+    named.refused(&["board: no answer at 115200 bits per second, asked 6 times"]);
+}
+
 pub fn wait(what: &str, is_so: impl Fn() -> bool) {
     let start = Instant::now();
     while !is_so() {
@@ -441,7 +531,10 @@ fn what_cannot_be_loaded_is_reported_in_one_line() {
     place.edof("board set scratch many --port nowhere").refused(&["value 'many'"]);
     place.edof("board load paper-t4 --dry-run").refused(&["--dry-run: without --port it needs --design"]);
     let sim = Sim::start(&place, "");
-    place.edof("board load paper-t4 --port board").refused(&["paper-t4 does not fit design tiny"]);
+    place.edof("board load paper-t4 --port board").refused(&[
+        "paper-t4 does not fit design tiny",
+        "none that comes with edof does; 'edof random-network --design tiny' makes one for tests",
+    ]);
     drop(sim);
 }
 

@@ -114,7 +114,7 @@ fn a_watch_is_one_object_a_line_with_a_time() {
     let output = child.wait_with_output().unwrap();
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{told}");
-    assert!(told.contains("board: the board went away") && told.contains("load again"), "{told}");
+    assert!(told.contains("board: the board went away") && told.contains("'edof board info'"), "{told}");
 }
 
 #[test]

@@ -1,18 +1,19 @@
 //! A board at the other end of a line: who it is, its registers by name, its calculator's stages.
 
-use crate::contents::{Part, parts};
+use crate::contents::Part;
 use crate::error::Error;
 use crate::line::Line;
 use crate::link::{ATTEMPTS, Link};
+use crate::load::{Progress, unwatched};
 use crate::names::Place;
 use edof_device::design::memory::{self, CONTROL_SKIP, Set, Space};
-use edof_device::design::reading::{READ_REGISTER, ReadBack, crc};
+use edof_device::design::reading::{READ_REGISTER, ReadBack, rows_of};
 use edof_device::design::{Design, FrameSize};
 use edof_device::registers::identity::design_hash;
 use edof_device::registers::map::{self, STAGE_READS, WEIGHTS};
-use edof_network::FixedNetwork;
 use serde::Serialize;
 use std::collections::VecDeque;
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 /// Who a board is.
@@ -291,7 +292,7 @@ impl<L: Line> Board<L> {
     pub fn stage_register(&mut self, stages: usize, row: usize) -> Result<Vec<u32>, Error> {
         let command = edof_device::design::reading::read_command(Space::Register { row }, 1);
         let commands: Vec<(usize, u32)> = (0..stages).map(|stage| (stage, command)).collect();
-        Ok(self.read_back(&commands)?.into_iter().map(|answer| answer.row as u32).collect())
+        Ok(self.read_back(&commands, &mut unwatched)?.into_iter().map(|answer| answer.row as u32).collect())
     }
 
     /// Writes a register of a stage.
@@ -302,86 +303,63 @@ impl<L: Line> Board<L> {
         self.link.write(WEIGHTS.word(memory::address(stage, Space::Register { row })), &[word])
     }
 
-    /// Has the circuit make a CRC of each part.
+    /// Has the circuit make a CRC of each part. `progress` receives the rows that were read and all rows, where stages that read at the same time count once.
     ///
     /// # Errors
-    /// The line fails, or a stage never comes to its end.
-    pub fn crcs(&mut self, parts: &[&Part]) -> Result<Vec<u32>, Error> {
+    /// The line fails, a stage never comes to its end, or [`Error::Interrupted`].
+    pub fn crcs(&mut self, parts: &[&Part], progress: Progress<'_>) -> Result<Vec<u32>, Error> {
         let commands: Vec<(usize, u32)> = parts.iter().map(|part| (part.stage, part.command())).collect();
-        Ok(self.read_back(&commands)?.into_iter().map(|answer| answer.crc).collect())
+        Ok(self.read_back(&commands, progress)?.into_iter().map(|answer| answer.crc).collect())
     }
 
-    /// Which of some networks a bank holds, by its CRCs.
-    ///
-    /// # Errors
-    /// As [`Board::crcs`].
-    pub fn identify(
+    /// Gives commands to read to stages, one to each at a time, and waits for all answers; `progress` is as for [`Board::crcs`].
+    pub(crate) fn read_back(
         &mut self,
-        design: &Design,
-        known: &[FixedNetwork],
-        bank: Set,
-    ) -> Result<Option<usize>, Error> {
-        let all: Vec<Vec<Part>> = known.iter().map(|network| parts(design, network, bank)).collect();
-        let Some(first) = all.first() else { return Ok(None) };
-        let found = self.crcs(&first.iter().collect::<Vec<_>>())?;
-        Ok(all.iter().position(|parts| parts.iter().map(|part| part.crc).eq(found.iter().copied())))
-    }
-
-    /// The CRC of each part of a bank; any network of the design says which parts there are.
-    fn crcs_of_bank(&mut self, design: &Design, any: &FixedNetwork, bank: Set) -> Result<Vec<u32>, Error> {
-        self.crcs(&parts(design, any, bank).iter().collect::<Vec<_>>())
-    }
-
-    /// A checksum of the words in a bank, the CRC of its parts' CRCs: equal words have equal ones, in either bank and on every board of the design;
-    /// any network of the design says which parts there are.
-    ///
-    /// # Errors
-    /// As [`Board::crcs`].
-    pub fn checksum(&mut self, design: &Design, any: &FixedNetwork, bank: Set) -> Result<u32, Error> {
-        Ok(crc(self.crcs_of_bank(design, any, bank)?.into_iter().map(u64::from)))
-    }
-
-    /// Whether both banks hold the same words, by their CRCs; any network of the design says which parts they have.
-    ///
-    /// # Errors
-    /// As [`Board::crcs`].
-    pub fn holds_alike(&mut self, design: &Design, any: &FixedNetwork) -> Result<bool, Error> {
-        Ok(self.crcs_of_bank(design, any, Set::First)? == self.crcs_of_bank(design, any, Set::Second)?)
-    }
-
-    /// Gives commands to read to stages, one to each at a time, and waits for all answers.
-    pub(crate) fn read_back(&mut self, commands: &[(usize, u32)]) -> Result<Vec<Answer>, Error> {
+        commands: &[(usize, u32)],
+        progress: Progress<'_>,
+    ) -> Result<Vec<Answer>, Error> {
         let stages = commands.iter().map(|(stage, _)| stage + 1).max().unwrap_or(0);
-        let mut queues = vec![VecDeque::new(); stages];
-        commands.iter().enumerate().for_each(|(index, (stage, _))| queues[*stage].push_back(index));
+        let rounds = rounds(commands, stages);
+        let rows =
+            |round: &[usize]| round.iter().map(|index| rows_of(commands[*index].1) as u64).max().unwrap_or(0);
+        let total = rounds.iter().map(|round| rows(round)).sum();
+        let mut done = 0;
         let mut answers = vec![Answer::default(); commands.len()];
-        loop {
-            let some: Vec<usize> = queues.iter_mut().filter_map(VecDeque::pop_front).collect();
-            if some.is_empty() {
-                return Ok(answers);
-            }
-            for index in &some {
+        for round in rounds {
+            for index in &round {
                 let (stage, command) = commands[*index];
                 // Twice: where one is lost, no older answer is taken for this one's.
                 for _ in 0..2 {
                     self.set_stage_register(stage, READ_REGISTER, command)?;
                 }
             }
-            let shown = self.shown(stages)?;
+            let shown = self.shown(stages, &mut || progress(done, total))?;
             let word = |stage: usize, part: ReadBack| shown[4 * stage + part as usize];
-            for index in some {
+            done += rows(&round);
+            for index in round {
                 let stage = commands[index].0;
                 let row =
                     u64::from(word(stage, ReadBack::Low)) | u64::from(word(stage, ReadBack::High)) << 32;
                 answers[index] = Answer { crc: word(stage, ReadBack::Crc), row };
             }
         }
+        match progress(done, total) {
+            ControlFlow::Continue(()) => Ok(answers),
+            ControlFlow::Break(()) => Err(Error::Interrupted),
+        }
     }
 
-    /// What the stages show once none of them reads any more.
-    fn shown(&mut self, stages: usize) -> Result<Vec<u32>, Error> {
+    /// What the stages show once none of them reads any more; each look asks whether to go on.
+    fn shown(
+        &mut self,
+        stages: usize,
+        goes_on: &mut dyn FnMut() -> ControlFlow<()>,
+    ) -> Result<Vec<u32>, Error> {
         let rest = |words: &[u32]| (0..stages).all(|stage| words[4 * stage + ReadBack::Busy as usize] == 0);
         for look in 1..=MAX_LOOKS {
+            if goes_on().is_break() {
+                return Err(Error::Interrupted);
+            }
             // A byte too many in the first answer may hide a stage that still reads, so the second one must say it, too.
             if rest(&self.link.glance(STAGE_READS.address, 4 * stages)?) {
                 let words = self.link.read(STAGE_READS.address, 4 * stages)?;
@@ -397,6 +375,17 @@ impl<L: Line> Board<L> {
         let what = "what the stages read back".to_owned();
         Err(Error::Noisy { port: self.port(), what, tried: MAX_LOOKS as u32 })
     }
+}
+
+/// Commands of one stage each that are carried out at the same time, by their indices, in order.
+fn rounds(commands: &[(usize, u32)], stages: usize) -> Vec<Vec<usize>> {
+    let mut queues = vec![VecDeque::new(); stages];
+    commands.iter().enumerate().for_each(|(index, (stage, _))| queues[*stage].push_back(index));
+    std::iter::from_fn(|| {
+        let round: Vec<usize> = queues.iter_mut().filter_map(VecDeque::pop_front).collect();
+        (!round.is_empty()).then_some(round)
+    })
+    .collect()
 }
 
 /// Register of a stage that says what is skipped.

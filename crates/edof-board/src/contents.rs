@@ -79,6 +79,28 @@ fn of_stage(network: &FixedNetwork, stage: &StagePlan, set: usize) -> Vec<Part> 
     all
 }
 
+/// Which of some networks has parts with these CRCs, those of the parts of a bank in the order of [`parts`].
+#[must_use]
+pub fn network_of(design: &Design, known: &[FixedNetwork], set: Set, crcs: &[u32]) -> Option<usize> {
+    let holds = |network: &FixedNetwork| {
+        parts(design, network, set).iter().map(|part| part.crc).eq(crcs.iter().copied())
+    };
+    known.iter().position(holds)
+}
+
+/// Which of some displays has tables with these CRCs, in the order of [`table_parts`].
+#[must_use]
+pub fn display_of(known: &[Display], crcs: &[u32]) -> Option<usize> {
+    let holds = |display: &Display| table_parts(display).iter().map(|part| part.crc).eq(crcs.iter().copied());
+    known.iter().position(holds)
+}
+
+/// A checksum of the words in a bank, the CRC of its parts' CRCs: equal words have equal ones, in either bank and on every board of the design.
+#[must_use]
+pub fn checksum(crcs: &[u32]) -> u32 {
+    crc(crcs.iter().copied().map(u64::from))
+}
+
 /// All parts of the tables of a display.
 #[must_use]
 pub fn table_parts(display: &Display) -> Vec<Part> {

@@ -43,12 +43,12 @@ pub fn findings(board: &Board, look: &StatusSnapshot) -> Vec<Finding> {
         Source::Cable { .. } => VideoTiming::P1080_60,
         Source::Camera { timing, .. } => timing,
     };
-    let of_input = set_up(look, "i2c_card", &(video.setup.program)(mode));
+    let of_input = set_up(look, "i2c_card", &(video.setup.program)(mode, [0, 0]));
     if let Source::Camera { .. } = video.source {
         return vec![finding("camera", of_input.map(|()| "set up".into())), from_video];
     }
     let output = board.video_out.as_ref().and_then(|video| video.setup.as_ref());
-    let of_output = output.map(|setup| set_up(look, "i2c_board", &(setup.program)(mode)));
+    let of_output = output.map(|setup| set_up(look, "i2c_board", &(setup.program)(mode, [0, 0])));
     let receives = finding("receiver", of_input.and_then(|()| receiver(look)));
     let transmits = of_output.map(|done| finding("transmitter", done.and_then(|()| transmitter(look))));
     [receives, from_video].into_iter().chain(transmits).collect()
@@ -74,7 +74,9 @@ fn set_up(look: &StatusSnapshot, register: &str, program: &[Entry]) -> Result<()
         (_, 0x70) => "is the FMC-IMAGEON seated in the LPC connector (J2), and VADJ on?",
         (_, 0x20) => "the card's expander: is its power good?",
         (_, 0x74) => "the board's own multiplexer: its reset must be high",
-        (_, 0x21) => "are the camera's wires in, and its 3.3 V?",
+        (_, 0x21) => {
+            "are the camera's wires in, and its 3.3 V? Without a camera put frames by 'edof board picture put'"
+        }
         (_, 0x39) => "the board's transmitter: is its power good?",
         _ => "is the receiver out of reset, and its power good?",
     };
@@ -88,7 +90,8 @@ fn receiver(look: &StatusSnapshot) -> Result<String, String> {
     let colour = look.value("receiver_format.colour_space") as usize;
     let [width, height] = size;
     let missing = if !is("receiver.cable") {
-        "no source: no 5 V comes through its cable".to_owned()
+        "no source: no 5 V comes through its cable; without one put frames by 'edof board picture put'"
+            .to_owned()
     } else if !is("receiver.clock") {
         "the source sends nothing: it sleeps, or does not take the mode of the EDID".to_owned()
     } else if !is("receiver.tmds_locked") {

@@ -32,7 +32,7 @@ fn has_the_port(text: &str) -> String {
 
 fn went_away(text: &str) -> String {
     format!(
-        "the board went away ({text}); load again once it is back: two sets of weights keep the one in use, a board with one set makes no frames until then"
+        "the board went away ({text}): cable, power, or a simulated board that ended; once it answers again, 'edof board info' prints what it holds"
     )
 }
 
@@ -45,11 +45,13 @@ pub enum Error {
     Port { port: String, source: std::io::Error },
     /// Nothing comes back.
     #[error(
-        "{port}: no answer, asked {asked} times: check cable, power and speed, and that a board of edof is loaded"
+        "{port}: no answer at {baud} bits per second, asked {asked} times: check cable, power and --baud, and that a bitstream of edof is loaded"
     )]
-    Silent { port: String, asked: u32 },
+    Silent { port: String, baud: u32, asked: u32 },
     /// What comes back is not the same twice, or what is sent does not arrive.
-    #[error("{port}: {what} failed in {tried} attempts: the line is noisy, or another sender uses it")]
+    #[error(
+        "{port}: {what} failed in {tried} attempts: the line is noisy, another sender uses it, or --baud is not the board's speed"
+    )]
     Noisy { port: String, what: String, tried: u32 },
     /// Words that the board's protection keeps out.
     #[error(

@@ -114,7 +114,11 @@ impl Serial {
 /// What stands at a path in place of a serial port, none where it may be one.
 fn what_is(path: &str) -> Option<&'static str> {
     match std::fs::metadata(path) {
-        Err(error) => (error.kind() == io::ErrorKind::NotFound).then_some("there is no such path"),
+        Err(error) if error.kind() != io::ErrorKind::NotFound => None,
+        Err(_) if std::path::Path::new(path).is_symlink() => {
+            Some("leads nowhere: the simulated board that made this link has ended")
+        }
+        Err(_) => Some("there is no such path"),
         Ok(found) if found.is_dir() => Some("is a folder"),
         Ok(found) if found.is_file() => Some("is a file"),
         Ok(found) if !is_character_device(&found) => Some("is a pipe, a socket or a disk"),

@@ -149,7 +149,7 @@ impl<L: Line> Link<L> {
             }
             self.settle()?;
         }
-        Err(Error::Silent { port: self.name(), asked: ATTEMPTS })
+        Err(self.silent())
     }
 
     /// Reads words from a byte address on that stand still: until two answers one after the other agree.
@@ -195,7 +195,7 @@ impl<L: Line> Link<L> {
         } else if answered {
             Err(self.noisy(&format!("words for 0x{address:x}")))
         } else {
-            Err(Error::Silent { port: self.name(), asked: ATTEMPTS })
+            Err(self.silent())
         }
     }
 
@@ -224,6 +224,10 @@ impl<L: Line> Link<L> {
             self.settle()?;
         }
         Err(self.noisy(&format!("a word for 0x{address:x}")))
+    }
+
+    fn silent(&self) -> Error {
+        Error::Silent { port: self.name(), baud: self.line.baud(), asked: ATTEMPTS }
     }
 
     fn noisy(&self, what: &str) -> Error {

@@ -42,8 +42,13 @@ pub struct Job<'a> {
     pub known: &'a [FixedNetwork],
 }
 
-/// Receives the number of loaded words and of all words; may end the work.
+/// Receives how much is done and of how much, in words, rows or steps; may end the work.
 pub type Progress<'a> = &'a mut dyn FnMut(u64, u64) -> ControlFlow<()>;
+
+/// The progress of work that nobody watches.
+pub const fn unwatched(_: u64, _: u64) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
 
 /// What a load did.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -192,9 +197,10 @@ impl<L: Line> Board<L> {
             weights_hash: hash,
         };
         self.link.set_checked(PROTECTION, SEALED)?;
+        let of_network = loaded.words_of_network;
         let mut found: Vec<Option<u32>> = match job.full {
             true => vec![None; all.len()],
-            false => self.crcs(&all)?.into_iter().map(Some).collect(),
+            false => self.found(&all, &mut || progress(0, of_network))?,
         };
         let bases: Vec<Vec<Part>> = match job.full {
             true => vec![],
@@ -218,7 +224,7 @@ impl<L: Line> Board<L> {
                 if restored == ROUNDS {
                     return Err(not_loaded(wrong));
                 }
-                found = self.crcs(&all)?.into_iter().map(Some).collect();
+                found = self.found(&all, &mut || progress(loaded.words, loaded.words))?;
                 continue;
             }
             if loaded.rounds == ROUNDS {
@@ -229,7 +235,7 @@ impl<L: Line> Board<L> {
             loaded.recovered |= self.send(&missing, kept, hash, progress)?;
             let total = missing.iter().map(|words| words.len() as u64).sum();
             loaded.words += total;
-            found = self.crcs(&all)?.into_iter().map(Some).collect();
+            found = self.found(&all, &mut || progress(total, total))?;
             loaded.recovered |= self.recover(kept, hash, SEALED)?;
             if job.read_back && found.iter().zip(&all).all(|(crc, part)| *crc == Some(part.crc)) {
                 let differences = self.rows_unlike(&all, &mut |_, _| progress(total, total))?;
@@ -239,6 +245,15 @@ impl<L: Line> Board<L> {
             }
         }
         Ok(loaded)
+    }
+
+    /// The CRC of each part, where words are counted and not rows.
+    fn found(
+        &mut self,
+        parts: &[&Part],
+        goes_on: &mut dyn FnMut() -> ControlFlow<()>,
+    ) -> Result<Vec<Option<u32>>, Error> {
+        Ok(self.crcs(parts, &mut |_, _| goes_on())?.into_iter().map(Some).collect())
     }
 
     /// Writes the missing words of each part into the bank, which takes words meanwhile; whether what must stay as it is had to be put back.
@@ -316,7 +331,7 @@ impl<L: Line> Board<L> {
         Ok(true)
     }
 
-    /// What of a bank is not as a network wants it; with `read_back` every word is compared, too.
+    /// What of a bank is not as a network wants it; with `read_back` every word is compared, too. `progress` receives rows.
     ///
     /// # Errors
     /// A network that does not fit, a line that fails, or [`Error::Interrupted`].
@@ -333,8 +348,14 @@ impl<L: Line> Board<L> {
         self.check_design(design)?;
         let wanted = parts(design, network, bank);
         let all: Vec<&Part> = wanted.iter().collect();
-        let crcs = self.crcs(&all)?;
-        let rows = if read_back { self.rows_unlike(&all, progress)? } else { vec![] };
+        let more = if read_back { rows_in(&all) } else { 0 };
+        let mut of_crcs = 0;
+        let crcs = self.crcs(&all, &mut |done, total| {
+            of_crcs = total;
+            progress(done, total + more)
+        })?;
+        let mut of_rows = |done, total| progress(of_crcs + done, of_crcs + total);
+        let rows = if read_back { self.rows_unlike(&all, &mut of_rows)? } else { vec![] };
         let difference = |(index, (part, crc)): (usize, (&Part, &u32))| {
             let row = rows.iter().find(|(other, _)| *other == index).map(|(_, row)| *row);
             let wrong = *crc != part.crc || row.is_some();
@@ -357,7 +378,7 @@ impl<L: Line> Board<L> {
 
     /// Reads every row of some parts: those parts with a row that differs, and the first such row.
     fn rows_unlike(&mut self, parts: &[&Part], progress: Progress<'_>) -> Result<Vec<(usize, usize)>, Error> {
-        let total = parts.iter().map(|part| part.rows.len() as u64).sum();
+        let total = rows_in(parts);
         let (mut done, mut unlike) = (0, vec![]);
         for (index, part) in parts.iter().enumerate() {
             let mut first = None;
@@ -365,7 +386,7 @@ impl<L: Line> Board<L> {
                 if progress(done, total).is_break() {
                     return Err(Error::Interrupted);
                 }
-                let answer = self.read_back(&[(part.stage, part.row_command(number))])?;
+                let answer = self.read_back(&[(part.stage, part.row_command(number))], &mut unwatched)?;
                 if first.is_none() && answer[0].row != *row {
                     first = Some(number);
                 }
@@ -379,26 +400,19 @@ impl<L: Line> Board<L> {
     /// What of the display's tables is not as a display wants it.
     ///
     /// # Errors
-    /// A line that fails.
-    pub fn verify_tables(&mut self, display: &Display) -> Result<Vec<Difference>, Error> {
+    /// As [`Board::crcs`].
+    pub fn verify_tables(
+        &mut self,
+        display: &Display,
+        progress: Progress<'_>,
+    ) -> Result<Vec<Difference>, Error> {
         let wanted = table_parts(display);
-        let crcs = self.crcs(&wanted.iter().collect::<Vec<_>>())?;
+        let crcs = self.crcs(&wanted.iter().collect::<Vec<_>>(), progress)?;
         let differs = |(part, crc): (&Part, &u32)| {
             let told = Difference { part: part.to_string(), crc: *crc, expected: part.crc, row: None };
             (*crc != part.crc).then_some(told)
         };
         Ok(wanted.iter().zip(&crcs).filter_map(differs).collect())
-    }
-
-    /// Which of some displays has the tables that the board has.
-    ///
-    /// # Errors
-    /// A line that fails.
-    pub fn identify_tables(&mut self, known: &[Display]) -> Result<Option<usize>, Error> {
-        let all: Vec<Vec<Part>> = known.iter().map(table_parts).collect();
-        let Some(first) = all.first() else { return Ok(None) };
-        let found = self.crcs(&first.iter().collect::<Vec<_>>())?;
-        Ok(all.iter().position(|parts| parts.iter().map(|part| part.crc).eq(found.iter().copied())))
     }
 
     /// Writes what the board does not have of the tables of the display step, until the circuit's CRCs say that all is there; how many
@@ -410,9 +424,10 @@ impl<L: Line> Board<L> {
         let wanted = table_parts(display);
         let all: Vec<&Part> = wanted.iter().collect();
         let control = self.control()?;
+        let in_all: u64 = all.iter().map(|part| part.words().len() as u64).sum();
         let mut sent = 0;
         for round in 0..=ROUNDS {
-            let found = self.crcs(&all)?;
+            let found = self.crcs(&all, &mut |_, _| progress(sent.min(in_all), in_all))?;
             let missing: Vec<(u32, u32)> = all
                 .iter()
                 .zip(found)
@@ -440,6 +455,11 @@ impl<L: Line> Board<L> {
         }
         Err(Error::TablesNotLoaded { port: self.port(), rounds: ROUNDS })
     }
+}
+
+/// All rows of some parts.
+fn rows_in(parts: &[&Part]) -> u64 {
+    parts.iter().map(|part| part.rows.len() as u64).sum()
 }
 
 /// Words of a part that the board does not have yet, as far as the CRC of its words shows.

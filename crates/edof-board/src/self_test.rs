@@ -6,6 +6,7 @@ use crate::clocks::is_clock;
 use crate::diagnosis::findings;
 use crate::error::Error;
 use crate::line::Line;
+use crate::load::Progress;
 use edof_device::Design;
 use edof_device::crc::{Place, single_bit};
 use edof_device::pattern::Pattern;
@@ -13,7 +14,6 @@ use edof_device::registers::map;
 use edof_golden::video::pattern;
 use edof_golden::{Display, Golden};
 use serde::Serialize;
-use std::ops::ControlFlow;
 
 /// A part of the board, and whether it does what it should.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -50,20 +50,21 @@ pub struct SelfTest<'a> {
 /// Frames per pattern: each of the three buffers once or more.
 const FRAMES: u32 = 4;
 
+/// Steps of progress, about as long as one another: of the bus, of the weights, then of each frame.
+const BUS: u64 = 4;
+const WEIGHTS: u64 = 8;
+const ALL: u64 = BUS + WEIGHTS + Pattern::ALL.len() as u64 * FRAMES as u64;
+
 impl<L: Line> Board<L> {
-    /// Tries every part in the order in which data pass, and continues after one that fails. Leaves the source's frames in use.
+    /// Tries every part in the order in which data pass, and continues after one that fails. Leaves the source's frames in use. `progress` receives steps.
     ///
     /// # Errors
-    /// The line fails, or no frame passes.
-    pub fn self_test(
-        &mut self,
-        test: &SelfTest<'_>,
-        step: &mut dyn FnMut(u32, u32) -> ControlFlow<()>,
-    ) -> Result<Vec<Item>, Error> {
-        let mut items = vec![Item::of("bus", self.try_bus()?)];
+    /// The line fails, no frame passes, or [`Error::Interrupted`].
+    pub fn self_test(&mut self, test: &SelfTest<'_>, progress: Progress<'_>) -> Result<Vec<Item>, Error> {
+        let mut items = vec![Item::of("bus", self.try_bus(progress)?)];
         let bank = self.bank()?;
-        let differences = self
-            .verify(test.design, test.golden.network(), bank, false, &mut |_, _| ControlFlow::Continue(()))?;
+        let mut of_weights = |done, total: u64| progress(BUS + WEIGHTS * done / total.max(1), ALL);
+        let differences = self.verify(test.design, test.golden.network(), bank, false, &mut of_weights)?;
         items.push(Item::of(
             "weights",
             match differences.first() {
@@ -71,7 +72,7 @@ impl<L: Line> Board<L> {
                 Some(first) => Err(format!("{} parts differ, the first is {first}", differences.len())),
             },
         ));
-        let found = self.try_patterns(test, step);
+        let found = self.try_patterns(test, progress);
         self.set_pattern(None)?;
         items.extend(found?);
         let look = self.look(test.design.stages.len())?;
@@ -84,10 +85,13 @@ impl<L: Line> Board<L> {
     }
 
     /// Every bit of a word as 0 and as 1, alone and among others, and each byte at its place.
-    fn try_bus(&mut self) -> Result<Result<String, String>, Error> {
+    fn try_bus(&mut self, progress: Progress<'_>) -> Result<Result<String, String>, Error> {
         let alone = (0..32).flat_map(|bit| [1 << bit, !(1u32 << bit)]);
         let words: Vec<u32> = alone.chain([0, u32::MAX, 0x5555_5555, 0xaaaa_aaaa, 0x0123_4567]).collect();
-        for word in &words {
+        for (index, word) in words.iter().enumerate() {
+            if progress(BUS * index as u64 / words.len() as u64, ALL).is_break() {
+                return Err(Error::Interrupted);
+            }
             self.link.write(map::SCRATCH, &[*word])?;
             let [found] = self.link.read(map::SCRATCH, 1)?[..] else { continue };
             if found != *word {
@@ -99,17 +103,14 @@ impl<L: Line> Board<L> {
     }
 
     /// Frames of every pattern through the memory, the calculator and the memory again.
-    fn try_patterns(
-        &mut self,
-        test: &SelfTest<'_>,
-        step: &mut dyn FnMut(u32, u32) -> ControlFlow<()>,
-    ) -> Result<Vec<Item>, Error> {
+    fn try_patterns(&mut self, test: &SelfTest<'_>, progress: Progress<'_>) -> Result<Vec<Item>, Error> {
         let mut found: Vec<(Pattern, Difference)> = vec![];
         for (index, pattern) in Pattern::ALL.into_iter().enumerate() {
             let Ok(raw) = pattern::frame(pattern, test.design.frame) else { continue };
             let Ok(golden) = test.golden.checks(test.display, &raw) else { continue };
             self.set_pattern(Some(pattern))?;
-            let mut of_all = |_, _| step(index as u32, Pattern::ALL.len() as u32);
+            let before = BUS + WEIGHTS + index as u64 * u64::from(FRAMES);
+            let mut of_all = |done: u32, _| progress(before + u64::from(done), ALL);
             let checked = self.check_frames(&golden, FRAMES, &mut of_all)?;
             found.extend(checked.difference.map(|difference| (pattern, difference)));
         }

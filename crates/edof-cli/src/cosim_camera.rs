@@ -39,6 +39,12 @@ pub fn run(
         );
         return Err(Error::message(problem));
     }
+    if design.camera.is_some() {
+        return Err(Error::message(format!(
+            "design {}: camera must be left out, as the camera's model is of the module that the board states",
+            design.name
+        )));
+    }
     let frames = frames.iter().map(|raw| bytes(design, raw)).collect::<Result<Vec<_>, _>>()?;
     let pace = Pace::of(design.board);
     let project = first_light::project(design, [&network; 2], display, &pace)?;

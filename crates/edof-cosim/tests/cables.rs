@@ -186,7 +186,7 @@ fn a_receiver_held_in_reset_is_named_and_the_picture_comes_when_it_is_let_go() {
 fn image(bus: usize, actions: impl IntoIterator<Item = Action>) -> (String, String) {
     let setup = KC705.setups().nth(bus).unwrap();
     let words = actions.into_iter().chain([Action::Done]).map(Action::word).chain(std::iter::repeat(0));
-    let program = (setup.program)(VideoTiming::P1080_60);
+    let program = (setup.program)(VideoTiming::P1080_60, [0, 0]);
     let text = words.take(depth(&program)).map(|word| format!("{word:08x}\n")).collect();
     (setup.image.to_owned(), text)
 }

@@ -58,6 +58,7 @@ fn design(form: Form, code_bits: u32, stages: &[(usize, usize)]) -> Design {
         frame: FrameSize { width: 64, height: 48, stride: Stride::PATCH },
         sets: 2,
         board: <_>::default(),
+        camera: None,
     }
 }
 

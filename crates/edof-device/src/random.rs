@@ -70,7 +70,7 @@ pub fn extreme(form: Form, code_bits: u32, stride: Stride, tight: bool, seed: u6
         dictionary,
         linear_path,
         code_fractions,
-        origin: origin("extreme"),
+        origin: origin("random-test-network"),
         float_hash: String::new(),
         quantized: None,
     }
@@ -151,7 +151,7 @@ pub fn natural(window: usize, stride: usize, seed: u64) -> FixedNetwork {
         dictionary,
         linear_path: Some(linear_path),
         code_fractions: vec![15, 14, 14],
-        origin: origin("natural"),
+        origin: origin("random-natural-network"),
         float_hash: String::new(),
         quantized: None,
     }

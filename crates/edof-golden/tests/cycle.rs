@@ -70,6 +70,7 @@ fn designs() -> impl Strategy<Value = Design> {
                 sets: 2,
                 frame: FrameSize { width: 64, height: 48, stride: Stride::PATCH },
                 board: <_>::default(),
+                camera: None,
             };
             design.check().unwrap();
             design

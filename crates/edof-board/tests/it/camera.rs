@@ -64,7 +64,7 @@ fn set_up(program: Vec<Entry>) -> Option<Ov7670> {
 }
 
 fn program(size: FrameSize) -> Vec<Entry> {
-    ov7670::program(ov7670::TIMING.around(size))
+    ov7670::program(ov7670::TIMING.around(size), [0, 0])
 }
 
 /// What the core's receiver takes for frames in two of the camera's; the words' lower bits are 0.
@@ -106,6 +106,29 @@ fn a_chip_that_is_set_up_sends_red_first_frames_of_the_designs_size() {
         assert_eq!(khz as usize, ov7670::TIMING.pixel_khz);
         // The frame in whose middle the camera starts is none.
         assert!(frames(&mut camera, size) == [seen(size)], "{width}x{height}");
+    }
+}
+
+#[test]
+fn a_window_is_moved_by_as_many_pixels_as_the_module_needs() {
+    let window = |corner| {
+        let mut camera = set_up(ov7670::program(ov7670::TIMING.around(FRAME), corner)).unwrap();
+        frames(&mut camera, FRAME).remove(0)
+    };
+    let (usual, width) = (window([0, 0]), FRAME.width);
+    let at = |frame: &[u8], row: usize, column: usize| frame[row * width + column];
+    for [right, down] in [[2, 0], [0, 2], [-2, -4], [8, -8]] {
+        let moved = window([right, down]);
+        let both = |length: usize, by: i8| {
+            (0..length)
+                .filter_map(move |i| Some((i, i.checked_add_signed(by.into())?)))
+                .filter(move |(_, j)| *j < length)
+        };
+        for (row, from) in both(FRAME.height, down) {
+            for (column, begin) in both(width, right) {
+                assert_eq!(at(&moved, row, column), at(&usual, from, begin), "{right}, {down}");
+            }
+        }
     }
 }
 

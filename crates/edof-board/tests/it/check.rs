@@ -1,10 +1,10 @@
 //! The check of frames: exact where the board is right, and every fault named by the boundary at which it shows first.
 
 use crate::common::{BAUD, board, network, open, raw, tiny};
-use edof_board::Simulated;
 use edof_board::check::{Boundary, Checked};
 use edof_board::self_test::SelfTest;
 use edof_board::simulated::faults::Faults;
+use edof_board::{Error, Simulated};
 use edof_core::RawFrame;
 use edof_core::cable::carried;
 use edof_device::pattern::Pattern;
@@ -119,6 +119,26 @@ fn failing(faults: Faults) -> (Vec<&'static str>, String) {
 #[test]
 fn a_self_test_passes_where_the_board_is_right() {
     assert_eq!(failing(Faults::default()), (vec![], String::new()));
+}
+
+#[test]
+fn a_self_test_tells_how_far_it_is_and_stops_when_asked() {
+    let (design, network) = (tiny(), network(&tiny(), 3));
+    let mut line = board(&design, &network);
+    let (golden, display) = (Golden::new(network).unwrap(), Display::default());
+    let test = SelfTest { design: &design, golden: &golden, display: &display, clocks: true };
+    let mut steps = vec![];
+    let mut progress = |done, total| {
+        steps.push((done, total));
+        ControlFlow::Continue(())
+    };
+    open(&mut line).self_test(&test, &mut progress).unwrap();
+    let total = steps[0].1;
+    assert!(steps.is_sorted() && steps.iter().all(|(done, of)| done < of && *of == total), "{steps:?}");
+    // Bus and weights have steps, too.
+    assert!(steps[0].0 == 0 && steps.iter().filter(|(done, _)| *done < 12).count() > 8, "{steps:?}");
+    let mut stop = |done, _| if done < 9 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
+    assert!(matches!(open(line).self_test(&test, &mut stop), Err(Error::Interrupted)));
 }
 
 #[test]

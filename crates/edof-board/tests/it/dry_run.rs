@@ -3,7 +3,7 @@
 use crate::common::{BAUD, board, job, network, open, retrained, tiny};
 use edof_board::contents::parts;
 use edof_board::dry_run::plan;
-use edof_board::load::Job;
+use edof_board::load::{Job, unwatched};
 use edof_device::design::memory::Set;
 use std::ops::ControlFlow;
 
@@ -19,7 +19,7 @@ fn a_plan_is_what_the_load_takes() {
         let job = Job { full, known, ..job(&design, network) };
         let mut reader = open(&mut simulated);
         let wanted = parts(&design, network, Set::Second);
-        let held = reader.crcs(&wanted.iter().collect::<Vec<_>>()).unwrap();
+        let held = reader.crcs(&wanted.iter().collect::<Vec<_>>(), &mut unwatched).unwrap();
         let plan = plan(&job, Set::Second, Some(&held), BAUD).unwrap();
         let mut reader = open(&mut simulated);
         let (start, bytes) = (reader.line().now(), reader.line().bytes);

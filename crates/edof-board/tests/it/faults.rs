@@ -132,6 +132,9 @@ fn a_board_that_falls_silent_ends_the_host_with_one_line() {
     let line = Faulty::new(&mut simulated, fault);
     let error = load(line, &job(&bench.design, &bench.networks[1])).unwrap_err();
     assert!(matches!(error, Error::Silent { .. }), "{error}");
-    assert!(error.to_string().starts_with("faulty: no answer, asked 6 times"), "{error}");
+    assert!(
+        error.to_string().starts_with("faulty: no answer at 921600 bits per second, asked 6 times"),
+        "{error}"
+    );
     assert_eq!(bench.in_use(&mut simulated), Some(0));
 }

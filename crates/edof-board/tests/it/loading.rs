@@ -1,7 +1,8 @@
 //! Networks onto a board on a line that carries every byte.
 
 use crate::common::{board, frames, job, load, network, open, picture, retrained, same_words, small, tiny};
-use edof_board::load::Job;
+use edof_board::contents::{display_of, network_of, parts, table_parts};
+use edof_board::load::{Job, unwatched};
 use edof_board::simulated::Shown;
 use edof_board::{Board, Error};
 use edof_core::DisplayMode;
@@ -113,7 +114,9 @@ fn two_noise_classes_lie_in_two_banks_and_the_switch_takes_effect_between_frames
     let mut board = open(&mut simulated);
     let known = [first.clone(), low.clone(), high.clone()];
     for (bank, index) in [(Set::First, 1), (Set::Second, 2)] {
-        assert_eq!(board.identify(&design, &known, bank).unwrap(), Some(index));
+        let wanted = parts(&design, &first, bank);
+        let crcs = board.crcs(&wanted.iter().collect::<Vec<_>>(), &mut unwatched).unwrap();
+        assert_eq!(network_of(&design, &known, bank, &crcs), Some(index));
     }
     frames(&mut simulated, 3);
     simulated.forget_shown();
@@ -277,15 +280,16 @@ fn tables_are_verified_by_the_circuits_crcs_and_only_what_differs_is_sent() {
     let known =
         [Curve::Linear, Curve::Srgb, Curve::Bt709].map(|curve| Display::new(DisplayMode::Colour, curve));
     let old = Display::default();
-    assert_eq!(board.verify_tables(&old).unwrap(), []);
-    assert_eq!(board.verify_tables(&known[2]).unwrap().len(), 4);
+    assert_eq!(board.verify_tables(&old, &mut unwatched).unwrap(), []);
+    assert_eq!(board.verify_tables(&known[2], &mut unwatched).unwrap().len(), 4);
     assert_eq!(board.load_tables(&old, &mut |_, _| ControlFlow::Continue(())).unwrap(), 0);
     board.load_tables(&known[2], &mut |_, _| ControlFlow::Continue(())).unwrap();
-    assert_eq!(board.identify_tables(&known).unwrap(), Some(2));
+    let crcs = board.crcs(&table_parts(&old).iter().collect::<Vec<_>>(), &mut unwatched).unwrap();
+    assert_eq!(display_of(&known, &crcs), Some(2));
     // One entry of the red table, in its last row.
     board.set("control.run".parse().unwrap(), 0).unwrap();
     board.set(format!("display_tables[{}]", 32768 + 16383).parse().unwrap(), 5).unwrap();
-    let found = board.verify_tables(&known[2]).unwrap();
+    let found = board.verify_tables(&known[2], &mut unwatched).unwrap();
     assert_eq!(found.iter().map(|d| d.part.as_str()).collect::<Vec<_>>(), ["table of red"]);
     assert_eq!(board.load_tables(&known[2], &mut |_, _| ControlFlow::Continue(())).unwrap(), 16384);
 }

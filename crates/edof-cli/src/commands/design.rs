@@ -216,6 +216,7 @@ impl New {
 impl Check {
     fn run(&self, ui: &Ui) -> Result<(), Error> {
         let files = Files::new(ui).reads(&self.design);
+            camera: None,
         files.reads_all(self.weights.as_deref().and_then(weights::fixed_file)).check()?;
         let design = designs::load(&self.design)?;
         ui.used(designs::input(&design));

@@ -72,7 +72,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     network.origin.provenance = ui.provenance().for_file();
     weight_file::save_fixed(&args.out, &network)?;
     ui.say(format!(
-        "{}: {}, stride {}",
+        "{}: a random network for tests, {}, stride {}",
         args.out.display(),
         form::words(&network.form),
         network.stride.pixels()

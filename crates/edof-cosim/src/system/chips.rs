@@ -124,7 +124,7 @@ impl Chips {
     ) -> Result<Self, Error> {
         let images = work::folder()?;
         let mode = VideoTiming::on_the_cable(frame);
-        let program = |setup: &Setup| (setup.program)(mode);
+        let program = |setup: &Setup| (setup.program)(mode, [0, 0]);
         for setup in KC705.setups() {
             let path = images.path().join(setup.image);
             path.parent().map_or(Ok(()), fs::create_dir_all).map_err(at(&path))?;

@@ -22,11 +22,11 @@ pub const KC705: Board = Board {
     sets: &[2],
     baud: 921_600,
     video_in: Some(VideoIn {
-        setup: Setup { image: "mem/i2c_imageon.mem", program: receiver::program },
+        setup: Setup { image: "mem/i2c_imageon.mem", program: |mode, _| receiver::program(mode) },
         source: Source::Cable { delays_ns: input_timing::delays_ns },
     }),
     video_out: Some(VideoOut {
-        setup: Some(Setup { image: "mem/i2c_kc705.mem", program: |_| transmitter::program() }),
+        setup: Some(Setup { image: "mem/i2c_kc705.mem", program: |_, _| transmitter::program() }),
         frames: Frames::OfModes(&VideoTiming::MODES, 25_000),
     }),
     shells: &[

@@ -112,8 +112,10 @@ pub enum Frames {
 pub struct Setup {
     /// Memory image of the program, relative to the generated directory.
     pub image: &'static str,
-    /// Makes the program for a video mode.
-    pub program: fn(VideoTiming) -> Vec<Entry>,
+    /// Makes the program for a video mode; a camera's window is moved right and down by so many pixels ([`CameraModule::corner`]).
+    ///
+    /// [`CameraModule::corner`]: crate::design::CameraModule::corner
+    pub program: fn(VideoTiming, [i8; 2]) -> Vec<Entry>,
 }
 
 /// Surroundings of the core: a memory controller, a connection to the host, a build script.

@@ -81,6 +81,21 @@ pub struct Design {
     /// The board it is for, by name in files; without the field the KC705.
     #[serde(default, skip_serializing_if = "is_default")]
     pub board: &'static Board,
+    /// The camera's module where it is another than the board states; without the field as the board states.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera: Option<CameraModule>,
+}
+
+/// How a camera's module differs from what its board states, as measured with it (docs/ulx3s.md).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraModule {
+    /// The byte of black, which becomes 0.
+    #[serde(default)]
+    pub black: u8,
+    /// Pixels by which the window is moved right and down, so that its first one is red.
+    #[serde(default)]
+    pub corner: [i8; 2],
 }
 
 const fn two() -> usize {
@@ -223,6 +238,7 @@ impl Design {
                 self.board.name
             ),
         )?;
+        self.check_camera()?;
         require("code_bits", self.code_bits, (8..=16).contains(&self.code_bits), "8 to 16")?;
         let sums = 32..=ACCUMULATOR_BITS;
         require(

@@ -1,7 +1,8 @@
 //! A design on its board: the clocks that it needs there, and whether frames fit.
 
-use super::{Design, DesignError};
+use super::{CameraModule, Design, DesignError};
 use crate::board::{Frames, MadeClock, Setup, Source, VideoIn, VideoOut};
+use crate::i2c::{Entry, ov7670};
 use crate::video::VideoTiming;
 use edof_core::words::number;
 
@@ -43,13 +44,15 @@ impl Design {
         Ok([output.ok_or_else(|| lacks("video output with a chip"))?, &input.setup])
     }
 
-    /// Returns the set-up of the camera, and its byte of black.
+    /// Returns the set-up of the camera, and its byte of black: that of the design's module if it states one.
     ///
     /// # Errors
     /// [`DesignError::Lacks`]: the board has no camera.
     pub fn camera_chip(&self) -> Result<(&'static Setup, u8), DesignError> {
         match &self.board.video_in {
-            Some(VideoIn { setup, source: Source::Camera { black, .. } }) => Ok((setup, *black)),
+            Some(VideoIn { setup, source: Source::Camera { black, .. } }) => {
+                Ok((setup, self.camera.map_or(*black, |module| module.black)))
+            }
             _ => Err(DesignError::Lacks { board: self.board.name, what: "camera".into() }),
         }
     }
@@ -66,16 +69,44 @@ impl Design {
     /// Returns the timing of incoming frames: a camera's with the frame in its middle, or a video mode's.
     #[must_use]
     pub fn incoming(&self) -> VideoTiming {
-        self.camera().unwrap_or_else(|| VideoTiming::of_frame(self.frame))
+        self.frames_of_camera().unwrap_or_else(|| VideoTiming::of_frame(self.frame))
     }
 
     /// Returns the timing that the video chips are set up for: [`Design::incoming`] of a camera, or that of a cable ([`VideoTiming::on_the_cable`]).
     #[must_use]
     pub fn set_up_for(&self) -> VideoTiming {
-        self.camera().unwrap_or_else(|| VideoTiming::on_the_cable(self.frame))
+        self.frames_of_camera().unwrap_or_else(|| VideoTiming::on_the_cable(self.frame))
     }
 
-    fn camera(&self) -> Option<VideoTiming> {
+    /// Returns the program of a set-up of the board's.
+    #[must_use]
+    pub fn program(&self, setup: &Setup) -> Vec<Entry> {
+        (setup.program)(self.set_up_for(), self.camera.unwrap_or_default().corner)
+    }
+
+    /// # Errors
+    /// [`DesignError::Field`] for a camera's module where the board has no camera, and for one whose window is moved too far.
+    pub(super) fn check_camera(&self) -> Result<(), DesignError> {
+        let Some(CameraModule { black, corner }) = self.camera else { return Ok(()) };
+        let field = |field: &str, value: String, expected: String| {
+            Err(DesignError::Field { field: field.into(), value, expected })
+        };
+        if self.frames_of_camera().is_none() {
+            let expected = format!("left out, as board {} has no camera", self.board.name);
+            return field("camera", format!("with black {black}"), expected);
+        }
+        if corner.iter().any(|step| step.unsigned_abs() > ov7670::MAX_MOVE) {
+            let most = ov7670::MAX_MOVE;
+            return field(
+                "camera.corner",
+                format!("{corner:?}"),
+                format!("two numbers from -{most} to {most}"),
+            );
+        }
+        Ok(())
+    }
+
+    fn frames_of_camera(&self) -> Option<VideoTiming> {
         match self.board.video_in.as_ref()?.source {
             Source::Camera { timing, .. } => Some(timing.around(self.frame)),
             Source::Cable { .. } => None,
@@ -179,6 +210,7 @@ impl Design {
 mod tests {
     use super::*;
     use crate::board::KC705;
+    use crate::i2c::Action;
 
     fn design(clock_mhz: f64, width: usize, height: usize) -> Design {
         let mut design = Design::from_json(include_str!("../../../../designs/kc705.json")).unwrap();
@@ -259,6 +291,38 @@ mod tests {
         assert_eq!(cabled.set_up_for(), VideoTiming::P1080_60);
         let error = cabled.camera_chip().map(|_| ()).unwrap_err().to_string();
         assert_eq!(error, "board kc705 has no camera; use a design for another board");
+    }
+
+    #[test]
+    fn a_module_that_a_design_states_moves_the_window_and_sets_black() {
+        let text = include_str!("../../../../designs/ulx3s.json");
+        let with = |module: &str| text.replacen('{', &format!("{{ \"camera\": {module},"), 1);
+        let usual = Design::from_json(text).unwrap();
+        let own = Design::from_json(&with(r#"{ "black": 16, "corner": [-1, 0] }"#)).unwrap();
+        let (setup, black) = own.camera_chip().unwrap();
+        assert_eq!((usual.camera_chip().unwrap().1, black), (0, 16));
+        // The two writes that docs/ulx3s.md tries on a running camera.
+        let written = |design: &Design| {
+            let (before, after) = (usual.program(setup), design.program(setup));
+            let differing = after.into_iter().zip(before).filter(|(a, b)| a.action != b.action);
+            differing.map(|(entry, _)| entry.action).collect::<Vec<_>>()
+        };
+        let write = |register, value| Action::Write { device: ov7670::OV7670, register, value };
+        assert_eq!(written(&own), [write(0x32, 0xb6)]);
+        let up = Design::from_json(&with(r#"{ "corner": [0, -1] }"#)).unwrap();
+        assert_eq!(written(&up), [write(0x03, 0x0a)]);
+        let still = Design::from_json(&with(r#"{ "black": 16 }"#)).unwrap();
+        assert_eq!(still.program(setup), usual.program(setup));
+        for (text, words) in [
+            (with(r#"{ "corner": [9, 0] }"#), "camera.corner [9, 0]: must be two numbers from -8 to 8"),
+            (
+                include_str!("../../../../designs/kc705.json").replacen('{', "{ \"camera\": {},", 1),
+                "camera with black 0: must be left out, as board kc705 has no camera",
+            ),
+        ] {
+            let error = Design::from_json(&text).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
     }
 
     #[test]

@@ -49,6 +49,12 @@ pub const fn read_command(from: Space, rows: usize) -> u32 {
     ((code << 30) | (bank << 24) | (row << 12) | (rows - 1)) as u32
 }
 
+/// The rows that a [`read_command`] has read.
+#[must_use]
+pub const fn rows_of(command: u32) -> usize {
+    (command & 0xfff) as usize + 1
+}
+
 /// CRC-32 (IEEE 802.3) of rows of 64 bits, the lowest bit of the first one first.
 ///
 /// ```

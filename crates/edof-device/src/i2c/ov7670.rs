@@ -36,9 +36,13 @@ const FORMAT: &[(u8, u8, &str)] = &[
     (0xb1, 0x0c, "ABLC1: black is held by the chip's black lines"),
 ];
 
-/// Returns the program for windows of a timing's picture ([`VideoTiming::around`] of [`TIMING`]), moved by up to a pixel so that their first one is red.
+/// Most pixels by which a window is moved.
+pub const MAX_MOVE: u8 = 8;
+
+/// Returns the program for windows of a timing's picture ([`VideoTiming::around`] of [`TIMING`]), moved by up to a pixel so that their first one is red. They are moved
+/// right and down by `corner` besides, for modules whose first pixel is elsewhere; at most by [`MAX_MOVE`].
 #[must_use]
-pub fn program(mode: VideoTiming) -> Vec<Entry> {
+pub fn program(mode: VideoTiming, corner: [i8; 2]) -> Vec<Entry> {
     let mut program = Builder::default();
     let pins = |value| Action::Store { value, slot: PINS };
     program.add(pins(0b01), "out of power-down, in reset");
@@ -46,18 +50,19 @@ pub fn program(mode: VideoTiming) -> Vec<Entry> {
     program.add(pins(0b11), "out of reset");
     program.add(Action::Wait(2), "1 ms or more before the first transfer");
     program.write(OV7670, FORMAT);
-    program.write(OV7670, &window(mode));
+    program.write(OV7670, &window(mode, corner));
     program.add(Action::Done, "frames come");
     program.finish()
 }
 
 /// The registers of the window: first pixel and the one after the last, modulo the line; first line and the one after the last.
-fn window(mode: VideoTiming) -> [(u8, u8, &'static str); 6] {
-    let first = |corner: usize, border: usize| corner + border / 4 * 2;
+fn window(mode: VideoTiming, corner: [i8; 2]) -> [(u8, u8, &'static str); 6] {
+    let first =
+        |axis: usize, border: usize| CORNER[axis].saturating_add_signed(corner[axis].into()) + border / 4 * 2;
     let (line, frame) = (mode.line, mode.frame);
-    let left = first(CORNER[0], TIMING.line.active - line.active);
+    let left = first(0, TIMING.line.active - line.active);
     let right = (left + line.active) % TIMING.line.total();
-    let top = first(CORNER[1], TIMING.frame.active - frame.active);
+    let top = first(1, TIMING.frame.active - frame.active);
     let bottom = top + frame.active;
     [
         (0x17, (left >> 3) as u8, "HSTART: first pixel, upper bits"),

@@ -94,9 +94,8 @@ impl Kc705Core {
     ) -> Result<Self, DesignError> {
         let [output, input] = design.video_chips()?;
         let core = EdofCore::new(design, sets, identity, tables)?;
-        let mode = design.set_up_for();
         let setup =
-            |setup: &Setup, is_card| ChipSetup::new(pace, &(setup.program)(mode), setup.image, is_card);
+            |setup: &Setup, is_card| ChipSetup::new(pace, &design.program(setup), setup.image, is_card);
         Ok(Self::from_parts(Kc705CoreParts {
             core,
             uart: UartBus::new(pace.cycles_per_bit, pace.uart_time_out),

@@ -29,9 +29,8 @@ impl Tables<'_> {
             });
             (path.to_string(), text)
         });
-        let mode = design.set_up_for();
         let setups = design.board.setups();
-        let setups = setups.map(|setup| (setup.image.to_owned(), i2c::image(&(setup.program)(mode))));
+        let setups = setups.map(|setup| (setup.image.to_owned(), i2c::image(&design.program(setup))));
         display.chain(setups).collect()
     }
 }

@@ -111,7 +111,7 @@ impl Ulx3sCore {
         let screen = pace.screen.unwrap_or_else(|| design.screen());
         let picture = screen.around(design.frame);
         let (setup, black) = design.camera_chip()?;
-        let program = (setup.program)(design.set_up_for());
+        let program = design.program(setup);
         Ok(Self::from_parts(Ulx3sCoreParts {
             core: EdofCore::on_screen(design, sets, identity, tables, picture)?,
             sdram: AxiSdram::new(design.board.core_khz.into()),

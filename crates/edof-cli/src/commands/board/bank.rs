@@ -1,6 +1,7 @@
 //! `edof board bank`: which of two networks is in use.
 
-use super::{Own, held, known_by_name, load, of};
+use super::memories::{Memories, Wanted};
+use super::{Own, known_by_name, load, of};
 use crate::error::Error;
 use crate::ui::Ui;
 use edof_board::contents::letter;
@@ -73,8 +74,10 @@ fn choose(
     let (names, networks): (Vec<String>, Vec<FixedNetwork>) =
         known_by_name(&design, &bank.own.weights, own).into_iter().unzip();
     let mut places = vec![];
+    let memories =
+        Memories::read(board, Some(&design), &Wanted { banks: &[in_use, other], tables: false }, ui)?;
     for bank in [in_use, other] {
-        places.extend(board.identify(&design, &networks, bank).map_err(of)?.map(|index| (index, bank)));
+        places.extend(memories.network(&design, &networks, bank).map(|index| (index, bank)));
     }
     let Some(&(first, _)) = places.first() else {
         return Err(Error::message(
@@ -111,7 +114,14 @@ fn switch(
 ) -> Result<(), Error> {
     // The switch first: the scene does not wait for names.
     board.change_control(map::WEIGHT_SET, if bank == Set::First { 0 } else { map::WEIGHT_SET })?;
-    let (name, hash) = held(args, board, bank, before, own)?;
+    let banks = if bank == before { &[bank][..] } else { &[bank, before][..] };
+    let (name, hash) = match board.identity.design(args.designs()?) {
+        Some(design) => {
+            let memories = Memories::read(board, Some(&design), &Wanted { banks, tables: false }, ui)?;
+            memories.held(board, &design, [bank, before], own)
+        }
+        None => (None, if bank == before { board.identity.weights_hash } else { 0 }),
+    };
     board.switch(bank, hash).map_err(of)?;
     let told = name.clone();
     let told = told.unwrap_or_else(|| format!("a network that the program does not have, hash {hash:08x}"));

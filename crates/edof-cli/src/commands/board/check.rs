@@ -1,6 +1,7 @@
 //! `edof board check`.
 
-use super::{known, load, of};
+use super::memories::{Memories, Wanted};
+use super::{fits, known, load, of};
 use crate::error::Error;
 use crate::interrupt;
 use crate::ui::Ui;
@@ -10,6 +11,7 @@ use edof_board::contents::letter;
 use edof_board::{Board, Serial};
 use edof_core::DisplayMode;
 use edof_device::Design;
+use edof_device::design::memory::Set;
 use edof_device::pattern::Pattern;
 use edof_device::registers::map;
 use edof_golden::video::pattern;
@@ -44,8 +46,7 @@ pub struct Args {
 pub fn run(args: &super::Args, check: &Args, ui: &Ui) -> Result<(), Error> {
     let mut board = args.open()?;
     let design = args.design_of(&board)?;
-    let network = network_in_use(&mut board, &design, check.weights.as_deref())?;
-    let display = display_in_use(&mut board)?;
+    let (network, display) = in_use(&mut board, &design, check.weights.as_deref(), ui)?;
     let golden = Golden::new(network)?;
     let patterns = check.pattern.map_or_else(|| Pattern::ALL.to_vec(), |pattern| vec![pattern]);
     let mut results = vec![];
@@ -89,22 +90,46 @@ fn tell(pattern: Pattern, checked: &Checked, ui: &Ui) -> Result<(), Error> {
     })
 }
 
+/// The network and the display in use, as [`network_in_use`] and [`display_of`].
+pub fn in_use(
+    board: &mut Board<Serial>,
+    design: &Design,
+    named: Option<&str>,
+    ui: &Ui,
+) -> Result<(FixedNetwork, Display), Error> {
+    let bank = board.bank().map_err(of)?;
+    let memories = Memories::read(board, Some(design), &Wanted { banks: &[bank], tables: true }, ui)?;
+    let network = network_of(board, design, &memories, (bank, named))?;
+    Ok((network, display_of(board, &memories)?))
+}
+
 /// The network in the bank in use, which is the named one if one is.
 pub fn network_in_use(
     board: &mut Board<Serial>,
     design: &Design,
     named: Option<&str>,
+    ui: &Ui,
 ) -> Result<FixedNetwork, Error> {
     let bank = board.bank().map_err(of)?;
+    let memories = Memories::read(board, Some(design), &Wanted { banks: &[bank], tables: false }, ui)?;
+    network_of(board, design, &memories, (bank, named))
+}
+
+fn network_of(
+    board: &Board<Serial>,
+    design: &Design,
+    memories: &Memories,
+    (bank, named): (Set, Option<&str>),
+) -> Result<FixedNetwork, Error> {
     let named = named.map(weights::fixed).transpose()?;
     if let Some(network) = &named {
-        design.check_network(network)?;
+        fits(design, network)?;
     }
     let candidates = match named {
         Some(network) => vec![network],
         None => known(design, &[]),
     };
-    let found = board.identify(design, &candidates, bank).map_err(of)?;
+    let found = memories.network(design, &candidates, bank);
     found.and_then(|index| candidates.into_iter().nth(index)).ok_or_else(|| {
         Error::message(format!(
             "{}: bank {} holds none of the networks that fit; name its file, or load one by 'edof board load'",
@@ -115,8 +140,8 @@ pub fn network_in_use(
 }
 
 /// The display in use: the curve that the tables are for, and the mode.
-pub fn display_in_use(board: &mut Board<Serial>) -> Result<Display, Error> {
-    let curve = load::curve_of(board)?;
+fn display_of(board: &mut Board<Serial>, memories: &Memories) -> Result<Display, Error> {
+    let curve = load::curve_in(memories);
     let curve = curve.ok_or_else(|| of(edof_board::Error::UnknownTables { port: board.port() }))?;
     let is_colour = board.control().map_err(of)? & map::COLOUR != 0;
     let mode = if is_colour { DisplayMode::Colour } else { DisplayMode::Luma };

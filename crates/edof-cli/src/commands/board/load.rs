@@ -1,9 +1,10 @@
 //! `edof board load` and `verify`.
 
-use super::{known, of};
+use super::memories::{Memories, Wanted};
+use super::{fits, known, of};
 use crate::error::Error;
 use crate::interrupt;
-use crate::ui::Ui;
+use crate::ui::{Progress, Ui};
 use crate::weights;
 use edof_board::contents::{letter, parts};
 use edof_board::load::{Job, target};
@@ -15,6 +16,7 @@ use edof_device::registers::identity::weights_hash;
 use edof_golden::{Curve, Display};
 use edof_network::FixedNetwork;
 use serde_json::json;
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 /// Load a network into the inactive bank, check it by the circuit's CRCs, and use it from the next frame on
@@ -83,7 +85,7 @@ fn network(args: &super::Args, name: &str, ui: &Ui) -> Result<FixedNetwork, Erro
     let network = weights::fixed(name)?;
     ui.used(weights::fixed_input(name)?);
     if let Some(design) = args.named_design()? {
-        design.check_network(&network)?;
+        fits(&design, &network)?;
     }
     Ok(network)
 }
@@ -111,12 +113,13 @@ pub fn display_of(name: &str) -> Display {
 }
 
 /// The name of the curve that a board's tables are for, none where the program knows none that has such tables.
-///
-/// # Errors
-/// A line that fails.
-pub fn curve_of(board: &mut Board<Serial>) -> Result<Option<&'static str>, Error> {
-    let known = CURVES.map(|(_, curve)| display(curve));
-    Ok(board.identify_tables(&known).map_err(of)?.map(|index| CURVES[index].0))
+pub fn curve_in(memories: &Memories) -> Option<&'static str> {
+    memories.tables(&CURVES.map(|(_, curve)| display(curve))).map(|index| CURVES[index].0)
+}
+
+/// The same of tables that are read for it.
+fn curve_of(board: &mut Board<Serial>, ui: &Ui) -> Result<Option<&'static str>, Error> {
+    Ok(curve_in(&Memories::read(board, None, &Wanted { banks: &[], tables: true }, ui)?))
 }
 
 /// # Errors
@@ -139,13 +142,15 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
     }
     let mut board = args.open()?;
     let design: Design = args.design_of(&board)?;
-    design.check_network(&network)?;
+    fits(&design, &network)?;
     let known = known(&design, &[]);
     let job = job(&design, &known);
     if load.dry_run {
         let bank = target(&design, load.bank, board.bank()?);
         let wanted = parts(&design, &network, bank);
-        let held = board.crcs(&wanted.iter().collect::<Vec<_>>()).map_err(of)?;
+        let bar = ui.progress(0, ROWS);
+        let held = board.crcs(&wanted.iter().collect::<Vec<_>>(), &mut watched(&bar)).map_err(of)?;
+        drop(bar);
         return plan(args, load, &job, bank, Some(&held), ui);
     }
     let before = values_in_use(&board, &design, &known);
@@ -158,17 +163,15 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
     });
     let loaded = loaded.map_err(|error| stopped(error, &design, ui))?;
     bar.of(words, words);
+    drop(bar);
     let in_use = loaded.in_use == loaded.bank;
     let needed = match load.curve {
-        None if in_use => needed(&mut board, &network, before)?,
+        None if in_use => needed(&mut board, &network, before, ui)?,
         _ => None,
     };
     if let Some(curve) = load.curve.or(needed) {
-        let mut step = |done, total| {
-            bar.of(done, total);
-            interrupt::flow()
-        };
-        board.load_tables(&display(curve), &mut step).map_err(of)?;
+        let bar = ui.progress(0, "words of the display's tables");
+        board.load_tables(&display(curve), &mut watched(&bar)).map_err(of)?;
     }
     if let Some(curve) = needed {
         let (name, values) = (&network.origin.name, network.origin.values);
@@ -177,7 +180,6 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
             name_of(curve)
         ));
     }
-    drop(bar);
     let seconds = start.elapsed().as_secs_f64();
     ui.say(format!(
         "{} in bank {}: {} of {} parts written, {} words of {}, in {seconds:.2} s; bank {} is in use",
@@ -200,17 +202,28 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
     ui.json(&json!({ "loaded": loaded, "seconds": seconds, "repeats": board.repeats() }))
 }
 
-/// A failure of a load; of one that was stopped it is said how the board is now.
+/// A failure of a load; of one that broke off it is said how the board is now.
 fn stopped(error: edof_board::Error, design: &Design, ui: &Ui) -> Error {
-    if matches!(error, edof_board::Error::Interrupted) {
+    use edof_board::Error::{Interrupted, Noisy, Port, Silent};
+    if matches!(error, Interrupted | Noisy { .. } | Port { .. } | Silent { .. }) {
         ui.note(if design.sets == 1 {
-            "the board's only set of weights is half written: it makes no frames until a load is complete"
+            "the load is not complete, and the board has one set of weights: it makes no frames until a load is complete; load again"
         } else {
-            "the weights in use are still used; the other bank is half written: load again"
+            "the load is not complete: the weights in use are still used, the other bank is half written; load again"
         });
     }
     of(error)
 }
+
+/// Shows progress, and stops at Ctrl-C.
+fn watched(bar: &Progress) -> impl FnMut(u64, u64) -> ControlFlow<()> + '_ {
+    |done, total| {
+        bar.of(done, total);
+        interrupt::flow()
+    }
+}
+
+const ROWS: &str = "rows read back";
 
 /// The values of the network in use, where the program has it.
 fn values_in_use(board: &Board<Serial>, design: &Design, known: &[FixedNetwork]) -> Option<Tone> {
@@ -224,12 +237,13 @@ fn needed(
     board: &mut Board<Serial>,
     network: &FixedNetwork,
     before: Option<Tone>,
+    ui: &Ui,
 ) -> Result<Option<Curve>, Error> {
     // Reading the tables' CRCs takes as long as loading a small network.
     if before != Some(Tone::Srgb) && network.origin.values == Tone::Linear {
         return Ok(None);
     }
-    let found = curve_of(board)?;
+    let found = curve_of(board, ui)?;
     let wanted = match network.origin.values {
         Tone::Linear => Curve::Srgb,
         // Such values are sRGB's codes already.
@@ -288,13 +302,9 @@ pub fn verify(args: &super::Args, verify: &Verify, ui: &Ui) -> Result<(), Error>
     let mut board = args.open()?;
     let design = args.design_of(&board)?;
     let bank = verify.bank.map_or_else(|| board.bank(), Ok).map_err(of)?;
-    let bar = ui.progress(0, "rows");
-    let differences = board
-        .verify(&design, &network, bank, verify.read_back, &mut |done, total| {
-            bar.of(done, total);
-            interrupt::flow()
-        })
-        .map_err(of)?;
+    let bar = ui.progress(0, ROWS);
+    let differences =
+        board.verify(&design, &network, bank, verify.read_back, &mut watched(&bar)).map_err(of)?;
     drop(bar);
     let pieces = parts(&design, &network, bank).len();
     if let Some(first) = differences.first() {
@@ -323,11 +333,13 @@ pub fn verify(args: &super::Args, verify: &Verify, ui: &Ui) -> Result<(), Error>
 /// The name of the curve that a board's tables are for, which is the wanted one if one is.
 fn tables(board: &mut Board<Serial>, wanted: Option<Curve>, ui: &Ui) -> Result<&'static str, Error> {
     let Some(curve) = wanted else {
-        let found = curve_of(board)?;
+        let found = curve_of(board, ui)?;
         return found.ok_or_else(|| of(edof_board::Error::UnknownTables { port: board.port() }));
     };
     let name = name_of(curve);
-    let differences = board.verify_tables(&display(curve)).map_err(of)?;
+    let bar = ui.progress(0, ROWS);
+    let differences = board.verify_tables(&display(curve), &mut watched(&bar)).map_err(of)?;
+    drop(bar);
     let Some(first) = differences.first() else { return Ok(name) };
     let error = of(edof_board::Error::TablesDiffer {
         port: board.port(),

@@ -4,7 +4,9 @@ mod align;
 mod bank;
 mod calibrate;
 mod check;
+mod info;
 mod load;
+mod memories;
 mod picture;
 mod selftest;
 mod sim;
@@ -14,17 +16,16 @@ use crate::designs;
 use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
-use crate::ui::Ui;
+use crate::ui::{Ui, note};
 use crate::weights;
 use edof_board::contents::letter;
 use edof_board::line::{self, Serial};
 use edof_board::names::{Place, number};
-use edof_board::{Board, Line, link};
+use edof_board::{Board, link};
 use edof_core::DisplayMode;
 use edof_core::words::number as short;
 use edof_device::Design;
 use edof_device::design::memory::Set;
-use edof_device::registers::identity::weights_hash;
 use edof_device::registers::map;
 use edof_device::registers::{c_header, csr_csv, markdown, systemrdl};
 use edof_network::FixedNetwork;
@@ -74,14 +75,7 @@ enum Command {
   edof board find
   edof board find --json")]
     Find,
-    /// Print design, picture size and clock of the board, and the network in each bank
-    #[command(after_help = "Examples:
-  edof board info
-  edof board info --weights mine.fixed.safetensors     names a network of your own")]
-    Info {
-        #[command(flatten)]
-        own: Own,
-    },
+    Info(info::Info),
     Load(load::Load),
     Verify(load::Verify),
     Status(status::Args),
@@ -206,7 +200,7 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
 fn carry_out(args: &Args, ui: &Ui) -> Result<(), Error> {
     match &args.command {
         Command::Find => find(args, ui),
-        Command::Info { own } => info(args, own, ui),
+        Command::Info(info) => info::run(args, info, ui),
         Command::Load(load) => load::load(args, load, ui),
         Command::Verify(verify) => load::verify(args, verify, ui),
         Command::Status(status) => status::run(args, status, ui),
@@ -226,27 +220,48 @@ fn carry_out(args: &Args, ui: &Ui) -> Result<(), Error> {
             let number = number(value).ok_or_else(|| {
                 Error::message(format!("value '{value}': must be a number of 32 bits, as in 12 or 0x1f"))
             })?;
-            args.open()?.set(place, number).map_err(of)?;
-            ui.json(&json!({ "register": register, "value": number }))
+            let mut board = args.open()?;
+            let before = place.reads_back().then(|| board.get(place)).transpose().map_err(of)?;
+            board.set(place, number).map_err(of)?;
+            ui.say(match before {
+                Some(before) => format!("{register} is 0x{number:x} ({number}), read back; before it was 0x{before:x} ({before})"),
+                None => format!("{register}: 0x{number:x} ({number}) was written; the board took it, and has no way to read it back"),
+            })?;
+            ui.json(&json!({ "register": register, "value": number, "before": before }))
         }
         Command::Dump => dump(args, ui),
         Command::Skip { what } => {
             let mut board = args.open()?;
             let design = args.design_of(&board)?;
             board.skip(&design, what == "on").map_err(of)?;
+            ui.say(match what.as_str() {
+                "on" => "every stage multiplies non-zero values alone",
+                _ => "every stage multiplies all values, zeros too",
+            })?;
             ui.json(&json!({ "skip": what == "on" }))
         }
         Command::Display { mode } => {
             let bits = if *mode == DisplayMode::Colour { map::COLOUR } else { 0 };
             args.open()?.change_control(map::COLOUR, bits).map_err(of)?;
+            ui.say(match mode {
+                DisplayMode::Colour => "pictures are encoded by red, green and blue",
+                DisplayMode::Luma => "pictures are encoded by luma alone",
+            })?;
             ui.json(&json!({ "display": mode }))
         }
         Command::Bank(bank) => bank::run(args, bank, ui),
-        Command::Flush => args.open()?.flush().map_err(of),
+        Command::Flush => {
+            args.open()?.flush().map_err(of)?;
+            ui.say("the frame in progress was dropped; the next one runs")
+        }
         Command::Reset => {
             let mut board = args.open()?;
             let design = args.design_of(&board)?;
-            board.reset(&design).map_err(of)
+            board.reset(&design).map_err(of)?;
+            let bank = letter(board.bank().map_err(of)?);
+            ui.say(format!(
+                "the core was reset: bank {bank} is in use as before, all weights are kept; the video chips are set up again, see 'edof board status'"
+            ))
         }
         Command::Map { format } => {
             let text = match format.as_str() {
@@ -295,8 +310,9 @@ impl Args {
 
     /// Opens the board at a port, at the first speed at which it answers.
     fn open_at(&self, port: &str) -> Result<Board<Serial>, Error> {
+        let bauds = self.bauds()?;
         let mut why = None;
-        for baud in self.bauds()? {
+        for baud in bauds.iter().copied() {
             interrupt::check()?;
             match Board::open(Serial::open(port, baud)?, self.patience()) {
                 Ok(board) => return Ok(board),
@@ -311,7 +327,7 @@ impl Args {
                 Err(error) => return Err(of(why.unwrap_or(error))),
             }
         }
-        Err(why.map_or_else(|| Error::message("--baud: no speed to try"), of))
+        Err(why.map_or_else(|| Error::message("--baud: no speed to try"), |why| no_answer(why, &bauds)))
     }
 
     /// Returns the speeds that the board's line may have.
@@ -333,7 +349,7 @@ impl Args {
         let weights = match &self.command {
             Command::Load(load) => std::slice::from_ref(&load.weights),
             Command::Verify(verify) => std::slice::from_ref(&verify.weights),
-            Command::Info { own } | Command::Bank(bank::Bank { own, .. }) => &own.weights[..],
+            Command::Info(info::Info { own, .. }) | Command::Bank(bank::Bank { own, .. }) => &own.weights[..],
             Command::Check(check) => check.weights.as_slice(),
             Command::Selftest(test) => test.weights.as_slice(),
             _ => &[],
@@ -367,8 +383,31 @@ impl Args {
         Ok(self.named_design()?.into_iter().chain(designs::all()?).collect())
     }
 
+    /// The board's design; it is remarked where another one was named.
     fn design_of(&self, board: &Board<Serial>) -> Result<Design, Error> {
-        board.design(self.designs()?).map_err(of)
+        let design = board.design(self.designs()?).map_err(of)?;
+        if let Some(named) = self.named_design()?.filter(|named| named.name != design.name) {
+            note(&format!(
+                "{}: the board has the design {}, not {}: --design is ignored",
+                board.port(),
+                design.name,
+                named.name
+            ));
+        }
+        Ok(design)
+    }
+}
+
+/// Why no board answers at a port: of silence at several speeds all of them are named.
+fn no_answer(why: edof_board::Error, bauds: &[u32]) -> Error {
+    match why {
+        edof_board::Error::Silent { port, .. } if bauds.len() > 1 => {
+            let tried = bauds.iter().map(u32::to_string).collect::<Vec<_>>().join(" or ");
+            Error::message(format!(
+                "{port}: no answer at {tried} bits per second: check cable and power, that a bitstream of edof is loaded, and name another speed by --baud"
+            ))
+        }
+        why => of(why),
     }
 }
 
@@ -376,21 +415,39 @@ impl Args {
 fn no_board(ports: &[line::Port]) -> Error {
     let names: Vec<&str> = ports.iter().map(|port| port.name.as_str()).collect();
     let tried = if names.is_empty() { "this machine has none".into() } else { names.join(", ") };
-    Error::message(format!("no board answers at any serial port ({tried}); name one by --port"))
+    Error::message(format!(
+        "no board answers at any serial port ({tried}); name one by --port, or simulate a board by 'edof board sim'"
+    ))
 }
 
-/// Networks that come with the program and fit a design, after those of the user that do.
+/// Networks that come with the program and fit a design, after those of the user that do; last the random one of 'edof board sim'.
 fn known(design: &Design, named: &[FixedNetwork]) -> Vec<FixedNetwork> {
     let names = vec![String::new(); named.len()];
-    known_by_name(design, &names, named).into_iter().map(|(_, network)| network).collect()
+    let known = known_by_name(design, &names, named).into_iter().map(|(_, network)| network);
+    known.chain([edof_device::random::for_design(design, 1)]).collect()
 }
 
-/// The same with the name or file of each.
+/// Those of the user and of the program alone, with the name or file of each.
 fn known_by_name(design: &Design, names: &[String], named: &[FixedNetwork]) -> Vec<(String, FixedNetwork)> {
     let named = names.iter().cloned().zip(named.iter().cloned());
     let own = weights::names().into_iter();
     let own = own.filter_map(|name| Some((name.to_owned(), weights::fixed(name).ok()?)));
     named.chain(own).filter(|(_, network)| design.check_network(network).is_ok()).collect()
+}
+
+/// # Errors
+/// A network that does not fit a design, with what to load instead.
+fn fits(design: &Design, network: &FixedNetwork) -> Result<(), Error> {
+    let Err(misfit) = design.check_network(network) else { return Ok(()) };
+    let own: Vec<String> = known_by_name(design, &[], &[]).into_iter().map(|(name, _)| name).collect();
+    let name = &design.name;
+    let instead = match own[..] {
+        [] => format!(
+            "none that comes with edof does; 'edof random-network --design {name}' makes one for tests"
+        ),
+        _ => format!("these that come with edof do: {}", own.join(", ")),
+    };
+    Err(Error::message(format!("{misfit}; {instead}")))
 }
 
 fn find(args: &Args, ui: &Ui) -> Result<(), Error> {
@@ -431,56 +488,6 @@ fn find(args: &Args, ui: &Ui) -> Result<(), Error> {
     }
 }
 
-fn info(args: &Args, own: &Own, ui: &Ui) -> Result<(), Error> {
-    let own = own.networks(ui)?;
-    let mut board = args.open()?;
-    let identity = board.identity;
-    let design = identity.design(args.designs()?);
-    if let Some(design) = &design {
-        own.iter().try_for_each(|network| design.check_network(network))?;
-    }
-    let (major, minor) = (identity.version >> 16, identity.version & 0xffff);
-    let name = design.as_ref().map_or("unknown", |design| design.name.as_str());
-    ui.say(format!("{}: edof board, register map {major}.{minor}", board.port()))?;
-    ui.say(format!("design {name} ({:08x}), {}x{}", identity.design_hash, identity.width, identity.height))?;
-    let clock = design.as_ref().map(|design| design.clock_mhz);
-    let told = clock.map_or("an unknown clock".to_owned(), |mhz| format!("{mhz} MHz"));
-    ui.say(format!("calculator at {told}, line {} bits per second", board.line().baud()))?;
-    let in_use = board.bank()?;
-    let mut banks = vec![];
-    let sets = design.as_ref().map_or(2, |design| design.sets);
-    for bank in [Set::First, Set::Second].into_iter().take(sets) {
-        let (held, hash) = held(args, &mut board, bank, in_use, &own)?;
-        let used = if bank == in_use { ", in use" } else { "" };
-        let told =
-            held.as_deref().unwrap_or("a network that the program does not have; name its file by --weights");
-        let hash = (hash != 0).then(|| format!("{hash:08x}"));
-        // The board keeps one hash, that of the bank in use; what the words are known by is there for both.
-        let any = design.as_ref().map(|design| (design, edof_device::random::for_design(design, 1)));
-        let checksum = any.map(|(design, any)| board.checksum(design, &any, bank)).transpose().map_err(of)?;
-        let checksum = checksum.map(|sum| format!("{sum:08x}"));
-        let shown = match (&hash, &checksum) {
-            (Some(hash), Some(sum)) => format!("hash {hash}, checksum {sum}"),
-            (Some(hash), None) => format!("hash {hash}"),
-            (None, Some(sum)) => format!("checksum {sum}"),
-            (None, None) => "hash unknown".to_owned(),
-        };
-        ui.say(format!("bank {}: {shown}{used}, {told}", letter(bank)))?;
-        banks.push(json!({
-            "bank": letter(bank), "weights": held, "hash": hash, "checksum": checksum, "in_use": bank == in_use,
-        }));
-    }
-    let curve = load::curve_of(&mut board)?;
-    ui.say(format!("display tables: {}", curve.unwrap_or("of none of the program's curves")))?;
-    ui.json(&json!({
-        "identity": identity,
-        "curve": curve,
-        "design": design.map(|design| design.name),
-        "clock_mhz": clock,
-        "banks": banks,
-    }))
-}
-
 fn dump(args: &Args, ui: &Ui) -> Result<(), Error> {
     let words = args.open()?.registers()?;
     for (place, word) in &words {
@@ -489,26 +496,4 @@ fn dump(args: &Args, ui: &Ui) -> Result<(), Error> {
     let named: serde_json::Map<String, serde_json::Value> =
         words.iter().map(|(place, word)| (place.to_string(), (*word).into())).collect();
     ui.json(&json!({ "registers": named }))
-}
-
-/// Name and hash of the network in a bank; 0 where nobody can tell. The hash that the board has is of the bank that was in use
-/// before, and of the other one where that holds the same words.
-fn held(
-    args: &Args,
-    board: &mut Board<Serial>,
-    bank: Set,
-    before: Set,
-    named: &[FixedNetwork],
-) -> Result<(Option<String>, u32), Error> {
-    let own = board.identity.weights_hash;
-    let Some(design) = board.identity.design(args.designs()?) else {
-        return Ok((None, if bank == before { own } else { 0 }));
-    };
-    let known = known(&design, named);
-    if let Some(index) = board.identify(&design, &known, bank).map_err(of)? {
-        return Ok((Some(known[index].origin.name.clone()), weights_hash(&design, &known[index])));
-    }
-    let same = bank == before
-        || board.holds_alike(&design, &edof_device::random::for_design(&design, 1)).map_err(of)?;
-    Ok((None, if same { own } else { 0 }))
 }

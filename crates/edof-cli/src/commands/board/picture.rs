@@ -1,6 +1,6 @@
 //! `edof board picture`.
 
-use super::check::{display_in_use, network_in_use};
+use super::check::{in_use, network_in_use};
 use super::of;
 use crate::cosim_system::size;
 use crate::error::Error;
@@ -127,7 +127,7 @@ pub fn run(args: &super::Args, picture: &Args, ui: &Ui) -> Result<(), Error> {
         What::Put { raw, at, size } => {
             let design = args.design_of(&board)?;
             // If the program does not have the network, the words are put as they are.
-            let network = network_in_use(&mut board, &design, None);
+            let network = network_in_use(&mut board, &design, None, ui);
             let values = network.map_or(Tone::Linear, |network| network.origin.values);
             let put = Part { file: raw, at: *at, size: *size, values, frame: design.frame };
             match size {
@@ -154,8 +154,8 @@ pub fn run(args: &super::Args, picture: &Args, ui: &Ui) -> Result<(), Error> {
         }
         What::Compare { raw, size, put_at, at, weights } => {
             let design = args.design_of(&board)?;
-            let golden = Golden::new(network_in_use(&mut board, &design, weights.as_deref())?)?;
-            let display = display_in_use(&mut board)?;
+            let (network, display) = in_use(&mut board, &design, weights.as_deref(), ui)?;
+            let golden = Golden::new(network)?;
             let values = golden.network().origin.values;
             let put = Part { file: raw, at: *put_at, size: *size, values, frame: design.frame };
             let Some((width, height)) = size else {
@@ -176,7 +176,10 @@ pub fn run(args: &super::Args, picture: &Args, ui: &Ui) -> Result<(), Error> {
                 ))),
             }
         }
-        What::Off => board.set_pattern(None).map_err(of),
+        What::Off => {
+            board.set_pattern(None).map_err(of)?;
+            ui.say("the source's frames are used again")
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! `edof board selftest`.
 
-use super::check::{display_in_use, network_in_use};
+use super::check::in_use;
 use super::of;
 use crate::error::Error;
 use crate::interrupt;
@@ -32,11 +32,11 @@ pub struct Args {
 pub fn run(args: &super::Args, test: &Args, ui: &Ui) -> Result<(), Error> {
     let mut board = args.open()?;
     let design = args.design_of(&board)?;
-    let golden = Golden::new(network_in_use(&mut board, &design, test.weights.as_deref())?)?;
-    let display = display_in_use(&mut board)?;
-    let bar = ui.progress(0, "patterns");
+    let (network, display) = in_use(&mut board, &design, test.weights.as_deref(), ui)?;
+    let golden = Golden::new(network)?;
+    let bar = ui.progress(0, "steps of the test");
     let mut step = |done, total| {
-        bar.of(u64::from(done), u64::from(total));
+        bar.of(done, total);
         interrupt::flow()
     };
     let test = SelfTest { design: &design, golden: &golden, display: &display, clocks: !test.any_clocks };

@@ -140,6 +140,9 @@ pub fn run(args: &super::Args, sim: &Args, ui: &Ui) -> Result<(), Error> {
         design.clock_mhz,
         if sim.rtl { ", in Verilog" } else { "" }
     ))?;
+    if sim.rtl {
+        ui.note("the circuit is simulated hundreds of times slower than a board: commands take minutes and show how far they are; 'edof board info --quick' answers first");
+    }
     let mut shown = None;
     while interrupt::check().is_ok() {
         terminal.serve(&mut *device).map_err(of)?;

@@ -7,10 +7,13 @@ use crate::ui::Ui;
 use edof_board::diagnosis::{Finding, findings};
 use edof_board::status::{Report, StatusSnapshot, report};
 use edof_core::words::number;
+use edof_device::registers::map::register;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-/// Print frames per second, late frames, share of busy cycles, non-zeros and saturations of every stage, and missing conditions of the video chips
+/// Print whether memory, calculator and pictures work, frames per second, non-zeros and clamped values of every stage, and what each video chip lacks
+///
+/// Words in capitals mark what is not as it should be, and what to do stands behind them. Counters are those of the time since the look before.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof board status
@@ -68,16 +71,6 @@ pub fn run(args: &super::Args, status: &Args, ui: &Ui) -> Result<(), Error> {
     }
 }
 
-const FLAGS: [(&str, &str); 7] = [
-    ("status.dram_ready", "memory ready"),
-    ("status.calculator_runs", "calculator's clock there"),
-    ("status.input_present", "signal"),
-    ("status.input_fits", "of the right size"),
-    ("status.output_runs", "pictures leave"),
-    ("status.i2c_done", "video chips set up"),
-    ("control.run", "running"),
-];
-
 fn chip_lines(chips: &[Finding]) -> Vec<String> {
     let line = |Finding { about, is_good, text }: &Finding| {
         format!("{about}: {}{text}", if *is_good { "" } else { "NOT WORKING, " })
@@ -85,26 +78,13 @@ fn chip_lines(chips: &[Finding]) -> Vec<String> {
     chips.iter().map(line).collect()
 }
 
+/// How the board is, and what to do where something is not as it should be; then what the stages did.
 fn lines(now: &StatusSnapshot, report: &Report, clock_mhz: f64) -> Vec<String> {
-    let flag = |(name, what): &(&str, &str)| {
-        if now.value(name) == 1 { (*what).to_owned() } else { format!("NOT {what}") }
-    };
-    let bank = if now.value("control.weight_set") == 0 { 'a' } else { 'b' };
-    let cycles = report.cycles_per_patch.map_or("none".into(), |cycles| format!("{cycles:.1}"));
-    let mut lines = vec![
-        format!("{}; bank {bank}", FLAGS.iter().map(flag).collect::<Vec<_>>().join(", ")),
-        format!(
-            "{:.1} pictures per second of {:.1} frames on the screen, {} late; calculator at {clock_mhz} MHz busy {:.0} %, {cycles} cycles per patch",
-            report.frames_per_second,
-            report.screen_frames_per_second,
-            report.late_frames,
-            100.0 * report.busy_share
-        ),
-        "stage  non-zeros per patch  saturated: results  codes  differences".to_owned(),
-    ];
+    let mut lines = vec![memory(now), calculator(now, report, clock_mhz), pictures(now, report)];
+    lines.push("stage  non-zeros per patch  clamped: results  codes  differences (0 is best)".to_owned());
     lines.extend(report.stages.iter().map(|stage| {
         format!(
-            "{:<5}  {:>17.1}  {:>18}  {:>5}  {:>11}",
+            "{:<5}  {:>19.1}  {:>16}  {:>5}  {:>11}",
             stage.layer,
             stage.nonzeros_per_patch,
             stage.saturated_results,
@@ -112,10 +92,63 @@ fn lines(now: &StatusSnapshot, report: &Report, clock_mhz: f64) -> Vec<String> {
             stage.saturated_differences
         )
     }));
-    if now.value("status.weights_unchecked") == 1 {
-        lines
-            .push("the calculator's clock was lost: run `edof board verify` to check the weights".to_owned());
+    if report.wrong_windows != [0, 0] {
+        lines.push(
+            "windows: WRONG LENGTHS, the chip or its timing is faulty; 'edof board selftest' names the part"
+                .to_owned(),
+        );
     }
-    lines.extend(report.grown.iter().map(|(name, count)| format!("{name}: {count} more")));
+    if now.value("status.weights_unchecked") == 1 {
+        lines.push(
+            "weights: IN DOUBT, the calculator's clock was lost; 'edof board verify' checks them".to_owned(),
+        );
+    }
+    let doc = |name: &str| register(name).map_or(String::new(), |register| register.doc.replace('`', ""));
+    lines.extend(report.grown.iter().map(|(name, count)| {
+        format!("{name}: GROWS, {count} more. {} (docs/bring-up.md has what to look at)", doc(name))
+    }));
     lines
+}
+
+fn memory(now: &StatusSnapshot) -> String {
+    match now.value("status.dram_ready") {
+        1 => "memory: ready".to_owned(),
+        _ => {
+            "memory: NOT READY, its controller is in reset or not calibrated: LED 0 of docs/bring-up.md and docs/ulx3s.md".to_owned()
+        }
+    }
+}
+
+fn calculator(now: &StatusSnapshot, report: &Report, clock_mhz: f64) -> String {
+    let bank = if now.value("control.weight_set") == 0 { 'a' } else { 'b' };
+    if now.value("status.calculator_runs") == 0 {
+        return "calculator: NO CLOCK, its PLL is not locked: LED 7 of docs/bring-up.md and docs/ulx3s.md"
+            .to_owned();
+    }
+    if now.value("control.run") == 0 {
+        return "calculator: STOPPED, the last picture is repeated; a complete load starts it, and so does 'edof board set control.run 1'"
+            .to_owned();
+    }
+    let busy = 100.0 * report.busy_share;
+    let cycles = report
+        .cycles_per_patch
+        .map_or("no patch was made".to_owned(), |cycles| format!("{cycles:.1} cycles per patch"));
+    format!("calculator: runs at {clock_mhz} MHz with bank {bank}, busy {busy:.0} % of the time, {cycles}")
+}
+
+fn pictures(now: &StatusSnapshot, report: &Report) -> String {
+    if now.value("status.output_runs") == 0 {
+        return "pictures: NONE YET, the screen is black; a frame must come first, from the source or by 'edof board picture put'"
+            .to_owned();
+    }
+    let (made, shown) = (report.frames_per_second, report.screen_frames_per_second);
+    let late = match report.late_frames {
+        0 => "each a new picture".to_owned(),
+        late => format!(
+            "{late} of them the picture before once more, as pictures come slower than the screen's frames"
+        ),
+    };
+    format!(
+        "pictures leave the board: {made:.1} pictures per second, {shown:.1} frames per second on the screen, {late}"
+    )
 }
