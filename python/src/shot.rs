@@ -9,9 +9,10 @@ use edof::presets::{lens, weights};
 use edof_core::camera::Camera;
 use edof_core::{CfaPhase, RawFrame, Tone};
 use edof_io::levels::{Black, Levels};
+use edof_io::raw::OF_LIGHT;
 use edof_network::network::Origin;
 use ndarray::Ix2;
-use numpy::PyUntypedArray;
+use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use std::fmt::Display;
 
@@ -61,7 +62,8 @@ pub fn frame(
     let phase = agreed("phase", phase, sensor.map(|sensor| sensor.phase))?.unwrap_or_default();
     let black = agreed("black_level", black, sensor.map(|sensor| Black::from(sensor.black_level)))?;
     let values = capture.map_or(raw, |capture| capture.raw.bind(raw.py()).as_any());
-    let values = array::<u16, Ix2>(values, "raw", "rows x columns of sensor values, or a Capture")?;
+    let values = array::<u16, Ix2>(values, "raw", "rows x columns of sensor values, or a Capture")
+        .map_err(|error| of_light(values, error))?;
     let frame = RawFrame::from_view(values.as_array(), bit_depth as u32, phase).or_raise()?;
     if let Some(correction) = correction {
         if states_levels {
@@ -74,6 +76,15 @@ pub fn frame(
         return Ok(frame);
     }
     levels.light(&frame).or_raise()
+}
+
+/// Returns the error of a raw frame; of an array in floating point, with what to do with light.
+fn of_light(raw: &Bound<'_, PyAny>, error: PyErr) -> PyErr {
+    let is_float = |array: &Bound<'_, PyUntypedArray>| array.dtype().kind() == b'f' && array.ndim() == 2;
+    match raw.cast::<PyUntypedArray>().is_ok_and(is_float) {
+        true => failed(format!("{}; {OF_LIGHT}", error.value(raw.py()))),
+        false => error,
+    }
 }
 
 /// Sensor values of no light.

@@ -51,7 +51,7 @@ def raw_cases(name: str, call: Callable[..., Any]) -> list[Case]:
     return [
         (f"{name}: list", lambda: call([[1, 2], [3, 4]]), TypeError, "raw: list, expected a NumPy array of uint16"),
         (f"{name}: None", lambda: call(None), TypeError, "raw: NoneType, expected"),
-        (f"{name}: half", lambda: call(spoilt(RAW.astype(np.float64), 0.5)), ERROR, "raw: holds 0.5 at [31, 47], expected whole numbers from 0 to 65535"),
+        (f"{name}: half", lambda: call(spoilt(RAW.astype(np.float64), 0.5)), ERROR, "raw: holds 0.5 at [31, 47], expected whole numbers from 0 to 65535; light from 0 to 1 becomes sensor values by np.rint("),
         (f"{name}: NaN", lambda: call(spoilt(RAW.astype(np.float32), np.nan)), ERROR, "raw: holds NaN at [31, 47], expected whole numbers"),
         (f"{name}: negative", lambda: call(spoilt(RAW.astype(np.int16), -1)), ERROR, "raw: holds -1 at [31, 47], expected whole numbers from 0 to 65535"),
         (f"{name}: 17 bits", lambda: call(spoilt(RAW.astype(">u4"), 65536)), ERROR, "raw: holds 65536 at [31, 47], expected whole numbers from 0 to 65535"),

@@ -263,6 +263,7 @@ fn banks(place: &Place) {
         packed[at + offset] = 12;
     }
     place.write("bzip2.npz", packed);
+    place.write("light.npy", npy("(2, 2)", &[0.0, 0.5, 0.25, 1.0]));
     place.write("lens.npy", &psi);
     place.write("my-psf.npy", &flat);
     let psi = |shape: &str| format!(r#""psi":{{"dtype":"F64","shape":[{shape}],"data_offsets":[0,8]}}"#);

@@ -432,7 +432,7 @@ impl Args {
         let raw = self.raw_in_words();
         Error::message(match error {
             StreamError::Write { .. } => format!("{}: {error}", self.out_in_words()),
-            StreamError::Sensor(_) => match &self.sensor {
+            StreamError::Sensor(_) | StreamError::SensorValues(_) => match &self.sensor {
                 Some(file) => format!("--sensor {}: {error}", file.display()),
                 None => error.to_string(),
             },

@@ -7,6 +7,10 @@ use crate::picture::PictureError;
 use edof_core::frame::FrameError;
 use std::path::{Path, PathBuf};
 
+/// What to do with light in place of sensor values, for errors.
+pub const OF_LIGHT: &str =
+    "light from 0 to 1 becomes sensor values by np.rint(65535 * np.clip(raw, 0, 1)).astype(np.uint16)";
+
 /// A raw frame that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages name the fields")]
@@ -29,6 +33,15 @@ pub enum RawError {
     /// Fewer bits than stated.
     #[error("{path}: holds {found}-bit samples, expected {expected}", path = path.display())]
     Depth { path: PathBuf, found: u32, expected: String },
+    /// Samples in floating point.
+    #[error("{path}: holds {found} samples, expected sensor values, whole numbers from 0 to 65535; {OF_LIGHT}", path = path.display())]
+    Float { path: PathBuf, found: String },
+    /// A number that is no sensor value.
+    #[error(
+        "{path}: pixel at row {row}, column {column} is {value}, expected a sensor value, a whole number from 0 to 65535{hint}",
+        path = path.display()
+    )]
+    Number { path: PathBuf, row: usize, column: usize, value: f64, hint: String },
     /// Another size than stated.
     #[error("{path}: {found}, expected {expected} for {size}{hint}", path = path.display())]
     Size { path: PathBuf, found: String, expected: String, size: Size, hint: String },

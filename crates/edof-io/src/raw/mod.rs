@@ -22,7 +22,7 @@ mod formats;
 mod options;
 mod source;
 
-pub use error::RawError;
+pub use error::{OF_LIGHT, RawError};
 pub use format::{RawFormat, Read, Recognised, Values, Write};
 pub use formats::headerless::padded;
 pub use formats::{FORMATS, of_content, of_ending, writer, written};

@@ -100,6 +100,19 @@ fn packed_samples_of_a_tiff_are_read_with_their_own_depth() {
 }
 
 #[test]
+fn a_tiff_in_floating_point_says_how_light_becomes_sensor_values() {
+    // A row of two numbers of 32 bits, in floating point.
+    let mut tiff = b"II*\0\x08\0\0\0\x07\0".to_vec();
+    for (tag, value) in [(256u16, 2u32), (257, 2), (258, 32), (262, 1), (273, 98), (279, 16), (339, 3)] {
+        tiff.extend([&tag.to_le_bytes()[..], &[4, 0], &1u32.to_le_bytes(), &value.to_le_bytes()].concat());
+    }
+    tiff.extend([&[0; 4][..], &[0.25f32, 0.5, 0.75, 1.0].map(f32::to_le_bytes).concat()].concat());
+    let error = loaded("x.tif", &tiff, RawOptions::default()).unwrap_err();
+    let expected = "expected sensor values, whole numbers from 0 to 65535";
+    assert_eq!(error, format!("x.tif: holds 32-bit floating-point samples, {expected}; {OF_LIGHT}"));
+}
+
+#[test]
 fn a_colour_picture_is_no_raw_frame() {
     let error = loaded("x.ppm", b"P3 1 1 65535 1 2 3", RawOptions::default()).unwrap_err();
     assert_eq!(error, "x.ppm: holds a colour picture, expected one raw value a pixel");
@@ -261,23 +274,21 @@ fn an_array_of_numpy_is_read_in_every_type_and_order_and_written_as_numpy_does()
 fn an_array_that_is_no_frame_is_rejected() {
     let float =
         |value: f32| array("<f4", "False", "(2, 2)", &[0.0, value, 0.0, 0.0].map(f32::to_le_bytes).concat());
-    let pixel =
-        |value: &str| format!("pixel at row 0, column 1 is {value}, expected a whole number from 0 to 65535");
+    let expected = "expected a sensor value, a whole number from 0 to 65535";
+    for (bytes, value, hint) in [
+        (float(0.5), "0.5", format!("; {OF_LIGHT}")),
+        (float(-1.0), "-1", String::new()),
+        (float(f32::NAN), "NaN", String::new()),
+        (array("<u4", "False", "(1, 2)", &[0, 0, 0, 0, 0, 0, 1, 0]), "65536", String::new()),
+    ] {
+        let error = loaded("x.npy", &bytes, RawOptions::default()).unwrap_err();
+        assert_eq!(error, format!("x.npy: pixel at row 0, column 1 is {value}, {expected}{hint}"));
+    }
     for (bytes, reason) in [
-        (float(0.5), pixel("0.5")),
-        (float(-1.0), pixel("-1")),
-        (float(f32::NAN), pixel("NaN")),
-        (array("<u4", "False", "(1, 2)", &[0, 0, 0, 0, 0, 0, 1, 0]), pixel("65536")),
-        (
-            array("|u1", "False", "(4,)", &[0; 4]),
-            "an array of 4, expected rows x columns of sensor values".into(),
-        ),
-        (array("<c8", "False", "(2, 2)", &[0; 32]), "its elements are not real numbers".into()),
-        (
-            array("|u1", "False", "(2, 2)", &[0; 3]),
-            "3 bytes of data do not make 2 x 2 numbers of 1 bytes".into(),
-        ),
-        (b"\x93NUMPY\x01".to_vec(), "no whole NPY array".into()),
+        (array("|u1", "False", "(4,)", &[0; 4]), "an array of 4, expected rows x columns of sensor values"),
+        (array("<c8", "False", "(2, 2)", &[0; 32]), "its elements are not real numbers"),
+        (array("|u1", "False", "(2, 2)", &[0; 3]), "3 bytes of data do not make 2 x 2 numbers of 1 bytes"),
+        (b"\x93NUMPY\x01".to_vec(), "no whole NPY array"),
     ] {
         let error = loaded("x.npy", &bytes, RawOptions::default()).unwrap_err();
         assert_eq!(error, format!("x.npy: damaged or unsupported: {reason}"));

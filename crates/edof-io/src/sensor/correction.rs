@@ -24,6 +24,8 @@ pub struct Tables {
     pub phase: CfaPhase,
     /// Bits of a sensor value.
     pub depth: u32,
+    /// Whether frames hold light by their files' own levels, as DNGs do, and no sensor values; none where no frames were measured.
+    pub is_light: Option<bool>,
     /// Words of no light, for the 2×2 pixels from the first on, row by row.
     pub black: [u16; 4],
     /// Added to the black of each column.
@@ -77,6 +79,21 @@ pub struct OtherSensor {
     pub expected: (Size, CfaPhase, u32),
 }
 
+/// A frame of other values than a correction was made from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum OtherValues {
+    /// A frame of light, and a correction of sensor values.
+    #[error(
+        "its values are light by the file's own levels, as in a DNG, the sensor file was made from sensor values; make one from DNGs by 'edof sensor'"
+    )]
+    Light,
+    /// A frame of sensor values, and a correction of light.
+    #[error(
+        "holds sensor values, the sensor file was made from DNGs, whose values are light; make one from frames as this one by 'edof sensor'"
+    )]
+    Sensor,
+}
+
 /// A correction of frames, ready for use.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Correction {
@@ -98,6 +115,7 @@ impl Tables {
             size,
             phase,
             depth,
+            is_light: None,
             black: black.map(|level| level.round() as u16),
             columns: vec![0; size.width],
             rows: vec![0; size.height],
@@ -207,6 +225,25 @@ impl Correction {
     #[must_use]
     pub const fn defects(&self) -> &DefectMap {
         &self.defects
+    }
+
+    /// Returns the same correction, of frames that hold light or sensor values, if that is known.
+    #[must_use]
+    pub const fn of_light(mut self, is_light: Option<bool>) -> Self {
+        self.tables.is_light = is_light;
+        self
+    }
+
+    /// Rejects frames of other values.
+    ///
+    /// # Errors
+    /// [`OtherValues`].
+    pub const fn check_values(&self, is_light: bool) -> Result<(), OtherValues> {
+        match (is_light, self.tables.is_light) {
+            (true, Some(false)) => Err(OtherValues::Light),
+            (false, Some(true)) => Err(OtherValues::Sensor),
+            _ => Ok(()),
+        }
     }
 
     /// Rejects frames of another sensor.

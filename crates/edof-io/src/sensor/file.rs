@@ -48,6 +48,9 @@ struct Header {
     size: Size,
     phase: CfaPhase,
     bit_depth: u32,
+    /// Whether frames hold light, as DNGs do.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    light: Option<bool>,
     /// Raw pixel words of no light.
     black: [u16; 4],
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -63,9 +66,17 @@ pub fn save(
     correction: &Correction,
     provenance: Option<Provenance>,
 ) -> Result<(), SensorFileError> {
-    let Tables { size, phase, depth, black, columns, rows, pixels, gains, defects } = correction.tables();
-    let header =
-        Header { layout: LAYOUT, size: *size, phase: *phase, bit_depth: *depth, black: *black, provenance };
+    let Tables { size, phase, depth, is_light, black, columns, rows, pixels, gains, defects } =
+        correction.tables();
+    let header = Header {
+        layout: LAYOUT,
+        size: *size,
+        phase: *phase,
+        bit_depth: *depth,
+        light: *is_light,
+        black: *black,
+        provenance,
+    };
     let container = |reason: String| SensorFileError::Container { path: path.to_owned(), reason };
     let text = serde_json::to_string(&header).map_err(|e| container(e.to_string()))?;
     let signed =
@@ -120,7 +131,7 @@ fn tables(bytes: &[u8], path: &Path) -> Result<Tables, SensorFileError> {
     let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(container)?;
     let text = metadata.metadata().as_ref().and_then(|entries| entries.get(METADATA_KEY));
     let text = text.ok_or_else(|| foreign(format!("its metadata has no entry '{METADATA_KEY}'")))?;
-    let Header { layout, size, phase, bit_depth, black, .. } =
+    let Header { layout, size, phase, bit_depth, light, black, .. } =
         json::parse(text).map_err(|e| foreign(format!("its metadata is wrong: {e}")))?;
     if layout != LAYOUT {
         return Err(foreign(format!("layout {layout}, this program reads {LAYOUT}")));
@@ -133,6 +144,7 @@ fn tables(bytes: &[u8], path: &Path) -> Result<Tables, SensorFileError> {
             size,
             phase,
             depth: bit_depth,
+            is_light: light,
             black,
             columns: arrays.get("columns", Dtype::I16, i16::from_le_bytes)?.1,
             rows: arrays.get("rows", Dtype::I16, i16::from_le_bytes)?.1,
@@ -209,8 +221,11 @@ mod tests {
         save(&at("b"), &read, None).unwrap();
         assert_eq!(std::fs::read(at("a")).unwrap(), std::fs::read(at("b")).unwrap());
         let plain = Correction::new(Tables::plain(SIZE, CfaPhase::Rggb, 8, [0.0; 4], 65536.0)).unwrap();
-        save(&at("c"), &plain, Some(Provenance::default())).unwrap();
-        assert_eq!(load(&at("c")).unwrap().0, plain);
+        let light = plain.clone().of_light(Some(true));
+        for correction in [plain, light] {
+            save(&at("c"), &correction, Some(Provenance::default())).unwrap();
+            assert_eq!(load(&at("c")).unwrap().0, correction);
+        }
     }
 
     #[test]

@@ -14,4 +14,4 @@ pub mod file;
 pub mod list;
 pub mod measure;
 
-pub use correction::{Correction, Defects, NODE_SPACING, OtherSensor, SensorError, Tables};
+pub use correction::{Correction, Defects, NODE_SPACING, OtherSensor, OtherValues, SensorError, Tables};

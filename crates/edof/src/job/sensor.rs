@@ -35,31 +35,41 @@ pub struct SensorJob {
 pub struct DarkFlat {
     dark: Option<Frames>,
     flat: Option<Frames>,
+    /// Whether they hold light, as DNGs do.
+    is_light: Option<bool>,
     /// Frames that were read, as inputs of results.
     pub inputs: Vec<Input>,
 }
+
+/// Frames of light among frames of sensor values.
+#[derive(Debug, thiserror::Error)]
+#[error("DNGs hold light, other frames hold sensor values; name frames of one kind")]
+struct OtherKind;
 
 impl SensorJob {
     /// Reads all frames. A headerless file may hold several, one after the other. Calls `tick` before each file.
     ///
     /// # Errors
-    /// A frame that cannot be read, or one of another size, phase or depth than those before it.
+    /// A frame that cannot be read, or one of another size, phase, depth or kind than those before it.
     pub fn read<E: From<JobError>>(
         &self,
         note: &dyn Fn(FrameNote),
         tick: &dyn Fn() -> Result<(), E>,
     ) -> Result<DarkFlat, E> {
-        let mut inputs = vec![];
+        let (mut inputs, mut kind) = (vec![], None);
         let mut all = |paths: &[PathBuf]| -> Result<Option<Frames>, E> {
             let mut frames = None;
             for path in paths {
                 tick()?;
-                self.add(path, &mut frames, &mut inputs, note)?;
+                let is_light = self.add(path, &mut frames, &mut inputs, note)?;
+                if *kind.get_or_insert(is_light) != is_light {
+                    return Err(JobError::in_file(path, OtherKind).into());
+                }
             }
             Ok(frames)
         };
         let (dark, flat) = (all(&self.dark)?, all(&self.flat)?);
-        Ok(DarkFlat { dark, flat, inputs })
+        Ok(DarkFlat { dark, flat, is_light: kind, inputs })
     }
 
     /// Makes a correction, and reports what was found.
@@ -73,17 +83,18 @@ impl SensorJob {
         let own = frames.dark.as_ref().or(frames.flat.as_ref()).map(Frames::sensor);
         let (size, phase, depth) = own.or(size.map(stated)).ok_or(JobError::NoSize)?;
         let (dark, flat) = (frames.dark.as_ref(), frames.flat.as_ref());
-        Ok(Sensor { size, phase, depth, dark, flat, known }.measured(&self.limits)?)
+        let (correction, report) = Sensor { size, phase, depth, dark, flat, known }.measured(&self.limits)?;
+        Ok((correction.of_light(frames.is_light), report))
     }
 
-    /// Adds the frames of a file.
+    /// Adds the frames of a file; returns whether they hold light.
     fn add(
         &self,
         path: &Path,
         frames: &mut Option<Frames>,
         inputs: &mut Vec<Input>,
         note: &dyn Fn(FrameNote),
-    ) -> Result<(), JobError> {
+    ) -> Result<bool, JobError> {
         let mut add = |frame: &RawFrame, input: Input| {
             inputs.push(input);
             match frames {
@@ -94,10 +105,10 @@ impl SensorJob {
         };
         match self.several(path) {
             None => {
-                let (frame, input) = self.source(path).sensor_values(note)?;
-                add(&frame, input)
+                let (frame, is_light, input) = self.source(path).sensor_values(note)?;
+                add(&frame, input).map(|()| is_light)
             }
-            Some((layout, count)) => self.each_of(path, layout, count, &mut add),
+            Some((layout, count)) => self.each_of(path, layout, count, &mut add).map(|()| false),
         }
     }
 

@@ -2,7 +2,7 @@
 //! state phase, depth and levels as for headerless files.
 
 use crate::picture::PictureError;
-use crate::raw::error::RawError;
+use crate::raw::error::{OF_LIGHT, RawError};
 use crate::raw::format::{RawFormat, Read, Recognised, Values, Write};
 use crate::raw::options::{Alignment, RawOptions, Size};
 use crate::raw::source::Source;
@@ -10,6 +10,7 @@ use edof_core::RawFrame;
 use edof_core::storage::arrays::{Npy, is_npy, npy};
 use edof_core::words::sides;
 use ndarray::{Array2, Ix2};
+use std::path::Path;
 
 /// NPY. 16-bit words with values at the bottom are written.
 pub const NPY: RawFormat = RawFormat {
@@ -38,18 +39,20 @@ fn values(source: Source<'_>, options: &RawOptions) -> Result<Values, RawError> 
         .map_err(|_| damaged(format!("an array of {shape}, expected rows x columns of sensor values")))?;
     let (height, width) = values.dim();
     RawError::check_size(Size { width, height }, options.size, path)?;
-    let words = words(&values).map_err(damaged)?;
+    let words = words(&values, path)?;
     let found = if bytes == 1 { 8 } else { 16 };
     Ok(Values { words, depth: options.depth.unwrap_or(found), alignment: Alignment::Bottom, notes: vec![] })
 }
 
 /// Rejects a number that is no sensor value.
-fn words(values: &Array2<f64>) -> Result<Array2<u16>, String> {
+fn words(values: &Array2<f64>, path: &Path) -> Result<Array2<u16>, RawError> {
     let is_word = |value: f64| (0.0..=65535.0).contains(&value) && value.fract() == 0.0;
     match values.indexed_iter().find(|(_, value)| !is_word(**value)) {
-        Some(((row, column), value)) => Err(format!(
-            "pixel at row {row}, column {column} is {value}, expected a whole number from 0 to 65535"
-        )),
+        Some(((row, column), &value)) => {
+            let is_light = value.is_finite() && value.fract() != 0.0;
+            let hint = if is_light { format!("; {OF_LIGHT}") } else { String::new() };
+            Err(RawError::Number { path: path.to_owned(), row, column, value, hint })
+        }
         None => Ok(values.mapv(|value| value as u16)),
     }
 }

@@ -75,7 +75,7 @@ fn encoded(
 fn values(source: Source<'_>, options: &RawOptions) -> Result<Values, RawError> {
     let path = source.path;
     let bytes = source.all()?;
-    let samples = picture::decode(&bytes, path)?;
+    let samples = picture::decode(&bytes, path).map_err(of_floats)?;
     let (depth, alignment) = meaning(Format::of(&bytes), &samples, options.depth, path)?;
     let maximum = u32::from(samples.full_scale);
     let words = single_plane(samples, options.size, path)?;
@@ -88,6 +88,16 @@ fn values(source: Source<'_>, options: &RawOptions) -> Result<Values, RawError> 
         )
     });
     Ok(Values { words, depth, alignment, notes: several.into_iter().chain(other_maximum).collect() })
+}
+
+/// Returns the error of a picture that cannot be read; of one in floating point, what to do with it.
+fn of_floats(error: PictureError) -> RawError {
+    match error {
+        PictureError::Kind { path, found } if found.ends_with("floating-point") => {
+            RawError::Float { path, found }
+        }
+        error => error.into(),
+    }
 }
 
 /// Returns depth and alignment of a picture's samples.

@@ -85,6 +85,7 @@ impl FrameSource {
         let frame = match (&self.sensor, levels) {
             (Some(sensor), _) => {
                 self.check_values(values)?;
+                sensor.check_values(is_light).map_err(|e| JobError::in_file(&self.path, e))?;
                 sensor.light(&frame).map_err(|e| JobError::in_file(&self.path, e))?
             }
             (None, Some(levels)) => {
@@ -97,14 +98,14 @@ impl FrameSource {
         Ok(Taken { path, frame, depth, values, camera, rendering, record, finish, is_light, input })
     }
 
-    /// Returns the sensor's values, and the frame as an input of results.
+    /// Returns the sensor's values or a DNG's light, whether it is light, and the frame as an input of results.
     pub(in crate::job) fn sensor_values(
         &self,
         note: &dyn Fn(FrameNote),
-    ) -> Result<(RawFrame, Input), JobError> {
-        let Found { frame, values, input, .. } = self.find(note)?;
+    ) -> Result<(RawFrame, bool, Input), JobError> {
+        let Found { frame, values, levels, input, .. } = self.find(note)?;
         self.check_values(values)?;
-        Ok((frame, input))
+        Ok((frame, levels.is_none(), input))
     }
 
     /// Rejects words that are not the sensor's.

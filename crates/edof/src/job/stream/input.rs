@@ -93,6 +93,7 @@ impl Words {
         let Layout { size, phase, levels, .. } = layout;
         let tables = match &sensor {
             Some(sensor) => {
+                sensor.check_values(false)?;
                 sensor.check(size, phase, layout.depth())?;
                 tables(layout.depth(), phase, Levels::default(), Tone::Linear)?
             }

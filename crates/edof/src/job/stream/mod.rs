@@ -28,7 +28,7 @@ use edof_io::levels::LevelsError;
 use edof_io::packing::{LineError, Packing};
 use edof_io::raw::Size;
 use edof_io::rendering::ColourMatrix;
-use edof_io::sensor::{Correction, OtherSensor};
+use edof_io::sensor::{Correction, OtherSensor, OtherValues};
 use edof_io::y4m::{self, Rate};
 use edof_network::FixedNetwork;
 use edof_network::fixed_network::FixedNetworkError;
@@ -117,6 +117,9 @@ pub enum StreamError {
     /// A correction of another sensor.
     #[error(transparent)]
     Sensor(#[from] OtherSensor),
+    /// A correction of frames of other values.
+    #[error(transparent)]
+    SensorValues(#[from] OtherValues),
     /// Frames too small for a window.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
