@@ -19,6 +19,7 @@ fn options_that_contradict_a_frames_record_are_rejected_or_told() {
         ("--tone linear", "srgb"),
         ("--black-level 64", "16"),
         ("--white-level 4000", "4096"),
+        ("--gain 8", "none"),
     ] {
         let message = format!("{option}: raw.png.json says {says}");
         let name = option.split_once(' ').unwrap().0;
@@ -37,6 +38,41 @@ fn options_that_contradict_a_frames_record_are_rejected_or_told() {
     );
     // What agrees may be stated.
     place.edof(&format!("{line} --camera ring-2018 --phase rggb --tone srgb --bit-depth 12")).done();
+}
+
+#[test]
+fn a_stated_gain_chooses_the_network_where_no_record_states_the_noise() {
+    let place = Place::new();
+    place.raw("raw.png", 64, 48);
+    let line = "reconstruct raw.png --out out.png";
+    for (options, network) in [
+        ("", "edof-t4w12-clear-light.fixed"),
+        ("--gain 2", "edof-t4w12-clear-light-low.fixed"),
+        ("--gain 8", "edof-t4w12-clear-light-high.fixed"),
+        ("--gain 8 --weights edof-t4w12-outer-light", "edof-t4w12-outer-light-high.fixed"),
+    ] {
+        let run = place.edof(&format!("{line} {options}")).done();
+        assert!(run.out.contains(&format!("by {network} in ")), "{options}: {}", run.out);
+    }
+    place.fixed_network("net.fixed.safetensors");
+    place.edof(&format!("{line} --gain 8 --weights net.fixed.safetensors")).refused(&[
+        "--gain 8: chooses among the networks of the program, and --weights net.fixed.safetensors is a file",
+    ]);
+    place.edof(&format!("{line} --gain 1001")).refused(&["--gain 1001: must be from 0.001 to 1000"]);
+    // A record states the noise: what agrees may be stated, rounded.
+    place.photo("photo.png", 64, 48);
+    let noise = "sensor:full-well=6000:gain=4";
+    place.edof(&format!("capture photo.png --psi 2 --no-measure --noise {noise} --out raw.png")).done();
+    place.edof(&format!("{line} --gain 6.67")).done();
+    place
+        .edof(&format!("{line} --gain 4"))
+        .refused(&["--gain 4: raw.png.json says sensor:full-well=6000:gain=4"]);
+    let run = place.edof(&format!("{line} --gain 4 --force")).done();
+    assert!(
+        run.err.contains("--gain 4: taken, though raw.png.json says") && run.out.contains("-low.fixed"),
+        "{}",
+        run.out
+    );
 }
 
 #[test]

@@ -6,6 +6,7 @@ mod board_data;
 mod board_picture;
 mod bound;
 mod contradictions;
+mod demosaicing;
 mod developing;
 mod documents;
 mod exposures;

@@ -1,9 +1,10 @@
 //! `edof sensor` and `--sensor`: faults of a sensor are found, and its frames become those of a sensor without.
 
 use crate::support::{Place, Run};
-use edof_core::{CfaPhase, RawFrame};
+use edof_core::{CfaPhase, RawFrame, Reconstructor};
+use edof_deblur::Directional;
 use edof_io::raw;
-use ndarray::Array2;
+use ndarray::{Array2, Array3};
 use serde_json::Value;
 
 const SIZE: (usize, usize) = (64, 96);
@@ -101,6 +102,89 @@ fn a_stream_is_corrected_as_a_frame_is() {
     place.edof(line).done();
     let told = |file: &str| serde_json::from_slice::<Value>(&codes(file)).unwrap()["dark"].clone();
     assert_eq!(told("many.json"), told("sensor.json"));
+}
+
+/// A DNG of a frame's values, without colours: a directory of tags whose numbers fit into it.
+fn dng(frame: &RawFrame) -> Vec<u8> {
+    let values = frame.values();
+    let (rows, columns) = values.dim();
+    let [red, green, blue] = [0u8, 1, 2];
+    let bayer = u32::from_le_bytes([green, red, blue, green]);
+    let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    let tags: [(u16, u16, u32, u32); 14] = [
+        (254, 4, 1, 0),
+        (256, 4, 1, columns as u32),
+        (257, 4, 1, rows as u32),
+        (258, 3, 1, 16),
+        (259, 3, 1, 1),
+        (262, 3, 1, 32803),
+        (273, 4, 1, 8 + 2 + 12 * 14 + 4),
+        (277, 3, 1, 1),
+        (278, 4, 1, rows as u32),
+        (279, 4, 1, bytes.len() as u32),
+        (33421, 3, 2, 2 << 16 | 2),
+        (33422, 1, 4, bayer),
+        (50706, 1, 4, 0x0401),
+        (50717, 4, 1, 4095),
+    ];
+    let directory = tags.iter().flat_map(|(tag, kind, count, value)| {
+        [&tag.to_le_bytes()[..], &kind.to_le_bytes(), &count.to_le_bytes(), &value.to_le_bytes()].concat()
+    });
+    let head = b"II*\0\x08\0\0\0".iter().copied().chain((tags.len() as u16).to_le_bytes());
+    head.chain(directory).chain([0; 4]).chain(bytes).collect()
+}
+
+#[test]
+fn a_sensor_file_of_dngs_is_for_dngs_and_one_of_other_frames_is_not() {
+    let (place, _) = ready();
+    place.write("raw.dng", dng(&frame(SCENE, true)));
+    place.write("dark.dng", dng(&frame(0, true)));
+    place.write("flat.dng", dng(&frame(1500, true)));
+    let sensor = "sensor --phase grbg --out s.safetensors";
+    place.edof("sensor --dark dark.dng --flat flat.dng --out dng.safetensors").done();
+    place
+        .edof(&format!("{sensor} --dark dark.dng --flat flat0.pgm"))
+        .refused(&["flat0.pgm: DNGs hold light, other frames hold sensor values; name frames of one kind"]);
+    let line = "reconstruct --weights net.fixed.safetensors --out o.png";
+    place.edof(&format!("{line} raw.dng --sensor dng.safetensors")).done();
+    place.edof(&format!("{line} raw.dng --sensor sensor.safetensors")).refused(&[
+        "raw.dng: its values are light by the file's own levels",
+        "the sensor file was made from sensor values; make one from DNGs by 'edof sensor'",
+    ]);
+    place
+        .edof(&format!("{line} raw.pgm --phase grbg --sensor dng.safetensors"))
+        .refused(&["raw.pgm: holds sensor values, the sensor file was made from DNGs"]);
+    place.write("words.raw", vec![0; 2 * 96 * 64]);
+    let stream = "stream words.raw --size 96x64 --phase grbg --weights net.fixed.safetensors --out o.y4m";
+    place
+        .edof(&format!("{stream} --sensor dng.safetensors"))
+        .refused(&["--sensor dng.safetensors: holds sensor values, the sensor file was made from DNGs"]);
+    // A list of defects is of any frames.
+    place.write("list.txt", "1,2\n");
+    place.edof("sensor --list list.txt --size 96x64 --phase grbg --out list.safetensors").done();
+    place.edof(&format!("{line} raw.dng --sensor list.safetensors")).done();
+}
+
+#[test]
+fn a_plain_picture_is_of_the_corrected_frame() {
+    let (place, _) = ready();
+    let picture = |options: &str| {
+        place.edof(&format!("reconstruct {options} --tone linear --bits 16 --out plain.png")).done();
+        edof_io::photo::load(&place.path("plain.png")).unwrap().planes
+    };
+    let found = picture("raw.pgm --phase grbg --sensor sensor.safetensors --demosaic directional");
+    let correction = edof_io::sensor::file::load(&place.path("sensor.safetensors")).unwrap().0;
+    let light = correction.light(&frame(SCENE, true)).unwrap();
+    let expected = Directional::default().reconstruct(&light).unwrap().frame.planes;
+    let far = |found: &Array3<f32>, expected: &Array3<f32>| {
+        found.iter().zip(expected).map(|(a, b)| (a - b.clamp(0.0, 1.0)).abs()).fold(0.0, f32::max)
+    };
+    assert!(far(&found, &expected) < 2e-5, "{}", far(&found, &expected));
+    // A DNG states the same.
+    place.write("raw.dng", dng(&frame(SCENE, true)));
+    let [stated, own] = ["raw.pgm --phase grbg --white-level 4095", "raw.dng"]
+        .map(|raw| picture(&format!("{raw} --demosaic malvar")));
+    assert!(far(&own, &stated) < 1e-4, "{}", far(&own, &stated));
 }
 
 #[test]

@@ -77,6 +77,54 @@ fn a_stream_of_frames_gives_the_pictures_of_the_frames() {
 }
 
 #[test]
+fn a_cameras_name_for_its_pixels_states_packing_phase_and_bits() {
+    let place = ready();
+    let picture = |options: &str| {
+        place.edof(&format!("{options} {LINE} --out a.y4m")).done();
+        read(&place, "a.y4m")
+    };
+    let stated = picture("stream all.12p --packing 12p --phase gbrg");
+    for options in [
+        "stream all.12p --packing BayerGB12p",
+        "stream all.12p --packing bayergb12P --phase BayerGB",
+        "stream all.12p --phase BayerGB12p",
+        "stream all.raw --packing GB12",
+        "stream all.raw --phase SGBRG12",
+    ] {
+        assert!(picture(options) == stated, "{options}");
+    }
+    let frame = "reconstruct 0.raw --size 48x32 --weights net.fixed.safetensors --board";
+    place.edof(&format!("{frame} --packing BayerGB12 --out named.png")).done();
+    place.edof(&format!("{frame} --bit-depth 12 --phase gbrg --out plain.png")).done();
+    assert!(read(&place, "named.yuyv") == read(&place, "plain.yuyv"));
+    for (options, message) in [
+        (
+            "--packing BayerRG12p --phase gbrg",
+            "--phase gbrg: --packing BayerRG12p states rggb; leave --phase out",
+        ),
+        (
+            "--packing bytes --phase BayerRG12p",
+            "--packing bytes: --phase BayerRG12p states 12p; leave --packing out",
+        ),
+        ("--packing pRAA --phase pRCC", "--packing pRAA: --phase pRCC states mipi12; leave --packing out"),
+        (
+            "--packing BayerRG12 --bit-depth 10",
+            "--bit-depth 10: --packing BayerRG12 states 12 bits; leave --bit-depth out",
+        ),
+        ("--packing BayerRG12p --bit-depth 12", "--bit-depth 12: 12p states the bits"),
+    ] {
+        place.edof(&format!("stream all.raw {LINE} --out o.y4m {options}")).refused(&[message]);
+    }
+    place.raw("shot.png", 48, 32);
+    let named = "--phase BayerRG12p: states a packing, which only files without a header have; state their --size, or give --phase rggb";
+    place.edof("reconstruct shot.png --phase BayerRG12p --out o.png").refused(&[named]);
+    place.edof("sensor --dark shot.png --phase BayerRG12p --out o").refused(&[named]);
+    let run = place.edof(&format!("stream all.raw {LINE} --out o.y4m --packing BayerRG10Packed"));
+    let expected = "10p, mipi12, 12p, 12packed or 2vuy, or a camera's name for its pixels, such as BayerRG12p or pRCC (docs/stream.md)";
+    assert!(run.code == Some(2) && run.err.contains(expected), "{}", run.err);
+}
+
+#[test]
 fn a_stream_takes_the_network_of_a_clear_lens_and_names_what_a_network_was_trained_for() {
     let place = ready();
     let line = "stream all.raw --size 48x32 --bit-depth 12";

@@ -1,13 +1,12 @@
 //! What people use instead of the network: demosaicing, deconvolution, pursuits.
 
-use crate::arguments::{array, finite, number, owned, positive, size};
+use crate::arguments::{array, finite, number, owned, positive, size, word};
 use crate::error::{OrRaise, failed};
 use crate::job;
 use crate::shot::frame;
-use edof_core::Reconstructor;
 use edof_deblur::blind::{self, Settings};
 use edof_deblur::hyper_laplacian::Prior;
-use edof_deblur::{Directional, Malvar, hyper_laplacian, known};
+use edof_deblur::{Demosaicing, hyper_laplacian, known};
 use edof_numerics::sparse::ksvd;
 use edof_numerics::sparse::lasso::{Effort, Lasso};
 use edof_numerics::sparse::omp::{Omp, Stop};
@@ -32,11 +31,7 @@ pub fn demosaic<'py>(
     white_level: Option<f64>,
     sensor: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
-    let way: Box<dyn Reconstructor + Send> = match method {
-        "malvar" => Box::new(Malvar::default()),
-        "directional" => Box::new(Directional::default()),
-        _ => return Err(failed(format!("method '{method}': must be malvar or directional"))),
-    };
+    let way = word::<Demosaicing>(method)?.reconstructor();
     let raw = frame(raw, bit_depth, phase, black_level, white_level, sensor)?;
     let light = job::run(py, move |_| way.reconstruct(&raw))?.or_raise()?.frame;
     Ok(light.planes.into_pyarray(py))

@@ -21,7 +21,7 @@ use Needs::{Elsewhere, With, Without};
 /// A command's words, with `*` for any; an option; what it needs.
 type Row = (&'static [&'static str], &'static str, Needs);
 
-const ROWS: [Row; 31] = [
+const ROWS: [Row; 33] = [
     (&["capture"], "map_of", With("depth_map")),
     (&["capture"], "layers", With("depth_map")),
     (&["capture"], "values", With("video")),
@@ -35,6 +35,8 @@ const ROWS: [Row; 31] = [
     (&["reconstruct"], "order", With("size")),
     (&["reconstruct"], "bits", Without("board")),
     (&["reconstruct"], "display", Without("float")),
+    (&["reconstruct"], "display", Without("demosaic")),
+    (&["reconstruct"], "device", Without("demosaic")),
     (&["sensor"], "order", With("size")),
     (&["sensor"], "hot", With("dark")),
     (&["sensor"], "dead", With("flat")),

@@ -30,7 +30,7 @@ const COMMANDS: [(&str, &[Group]); 16] = [
     (
         "reconstruct",
         &[
-            ("Network", "weights fixed float device stride"),
+            ("Network", "weights gain fixed float device stride demosaic"),
             ("Lens of the frame", "camera psf-bank centre"),
             ("Format of the frame", "phase bit-depth video size align order packing line-bytes"),
             ("Levels and colours", "sensor black-level white-level white-balance colour-matrix"),

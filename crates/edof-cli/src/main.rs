@@ -15,6 +15,7 @@
 //! | errors that name the option and the file | [`said`] |
 //! | what is wrong with options, in plain words | [`usage`] |
 //! | options that have an effect only beside others | [`effects`] |
+//! | options of several commands | [`gain`], [`raw_words`] |
 //! | screens of help: examples first, options in groups | [`help`] |
 //! | windows to feed the hardware with | [`windows`] |
 //!
@@ -31,6 +32,7 @@ mod effects;
 mod error;
 mod error_bounds;
 mod files;
+mod gain;
 mod help;
 mod interrupt;
 mod kind;

@@ -76,6 +76,12 @@ impl Noise {
         Self::Sensor(SensorNoise { gain, ..SensorNoise::default() })
     }
 
+    /// Noise of the reference sensor at a gain above 0. A gain below 1, of a sensor with more electrons, counts as 1.
+    #[must_use]
+    pub fn of_gain(gain: f64) -> Self {
+        Self::sensor(gain.max(1.0))
+    }
+
     /// Variance at a light of `signal` (full scale 1), in units of full scale squared. Darkness below 0 counts as 0.
     ///
     /// ```
@@ -139,6 +145,12 @@ impl SensorNoise {
     #[must_use]
     pub fn full_scale_e(self) -> f64 {
         self.full_well_e / self.gain
+    }
+
+    /// Gain at which the reference sensor has as many electrons for white.
+    #[must_use]
+    pub fn reference_gain(self) -> f64 {
+        Self::default().full_well_e / self.full_scale_e()
     }
 }
 

@@ -8,7 +8,7 @@
 //! | | [`hyper_laplacian`](mod@hyper_laplacian) | the kernel, under a prior of few and large differences (Krishnan, Fergus) |
 //! | | [`blind`] | nothing: kernel and picture together (Krishnan, Tay, Fergus) |
 //!
-//! Demosaicing is a [`Reconstructor`](edof_core::Reconstructor); deconvolution takes one colour plane of linear light (rows × columns)
+//! Demosaicing is a [`Reconstructor`](edof_core::Reconstructor), by name a [`Demosaicing`]; deconvolution takes one colour plane of linear light (rows × columns)
 //! and a kernel of odd sides and sum 1, and gives a plane of the same size. All run on the calling thread.
 //!
 //! ```
@@ -28,6 +28,7 @@
 
 pub mod blind;
 mod border;
+mod demosaicing;
 pub mod directional;
 mod fourier;
 pub mod hyper_laplacian;
@@ -37,5 +38,6 @@ mod resize;
 #[cfg(test)]
 mod test_pictures;
 
+pub use demosaicing::{Demosaicing, UnknownDemosaicing};
 pub use directional::Directional;
 pub use malvar::Malvar;

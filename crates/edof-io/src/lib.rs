@@ -4,7 +4,7 @@
 //! |---|---|
 //! | photographs: PNG, JPEG, WebP, TIFF, BMP, PPM, 8 or 16 bits, one or a folder of them | [`photo`] |
 //! | the test or training photographs of a folder | [`photos`] |
-//! | raw frames: PNG, TIFF, PGM, and headerless files | [`raw`], whose pixels may be packed [`packing`] |
+//! | raw frames: PNG, TIFF, PGM, and headerless files | [`raw`], whose pixels may be packed [`packing`]; names of cameras for them [`pixel_format`] |
 //! | what a raw frame knows of itself: phase, sensor, camera, depth | [`record`] |
 //! | what its values are of light: black and white level | [`levels`] |
 //! | from its colours to those of a screen: white balance, colour matrix | [`rendering`] |
@@ -46,6 +46,7 @@ pub mod packing;
 pub mod photo;
 pub mod photos;
 pub mod picture;
+pub mod pixel_format;
 mod png_chunks;
 pub mod pnm;
 mod profile;

@@ -19,6 +19,7 @@ use edof_core::camera::Camera;
 use edof_core::storage::atomic::{self, WriteError};
 use edof_core::storage::json;
 use edof_core::storage::provenance::{Input, Provenance};
+use edof_core::words::number;
 use edof_core::{CfaPhase, Noise, RawFrame, Tone};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -122,6 +123,7 @@ pub enum Field {
     WhiteLevel,
     Tone,
     Camera,
+    Gain,
 }
 
 impl std::fmt::Display for Field {
@@ -137,6 +139,7 @@ impl std::fmt::Display for Field {
             Self::WhiteLevel => "white level",
             Self::Tone => "tone",
             Self::Camera => "camera",
+            Self::Gain => "gain",
         })
     }
 }
@@ -256,6 +259,27 @@ pub struct Stated {
     pub tone: Option<Tone>,
     /// The camera.
     pub camera: Option<Camera>,
+    /// Gain of the reference sensor that would have the frame's noise.
+    pub gain: Option<f64>,
+}
+
+impl Stated {
+    /// Returns the noise that is stated.
+    #[must_use]
+    pub fn noise(&self) -> Option<Noise> {
+        self.gain.map(Noise::of_gain)
+    }
+}
+
+/// Share of a gain by which a stated one may differ from the recorded one: people round.
+const GAIN_TOLERANCE: f64 = 0.01;
+
+/// Whether a noise is that of a gain of the reference sensor.
+fn has_gain(noise: Noise, gain: f64) -> bool {
+    match noise {
+        Noise::Sensor(sensor) => (sensor.reference_gain() / gain - 1.0).abs() <= GAIN_TOLERANCE,
+        Noise::None | Noise::Gaussian { .. } => false,
+    }
 }
 
 impl RawRecord {
@@ -271,6 +295,8 @@ impl RawRecord {
             let recorded = format!("{} (they differ in {})", self.camera.in_words(), fields.join(", "));
             (camera.in_words(), recorded)
         });
+        let gain = stated.gain.filter(|gain| !has_gain(self.noise, *gain));
+        let gain = gain.map(|gain| (number(gain), self.noise.to_string()));
         let name = |packing: &Packing| packing.name().to_owned();
         let headerless = self.headerless();
         let size = headerless.and_then(|(size, _)| differ(stated.size.as_ref(), &size));
@@ -286,6 +312,7 @@ impl RawRecord {
             (Field::WhiteLevel, differ(stated.white_level.as_ref(), &white)),
             (Field::Tone, differ(stated.tone.as_ref(), &self.tone)),
             (Field::Camera, camera),
+            (Field::Gain, gain),
         ];
         let contradiction = |(field, differ): (Field, Option<(String, String)>)| {
             let (given, recorded) = differ?;
@@ -306,6 +333,7 @@ impl RawRecord {
             black_level: stated.black_level.unwrap_or(self.black_level),
             white_level: stated.white_level.or(self.white_level),
             tone: stated.tone.unwrap_or(self.tone),
+            noise: stated.noise().unwrap_or(self.noise),
             camera: stated.camera.unwrap_or(self.camera),
             ..self
         }

@@ -47,6 +47,7 @@ pub mod presets;
 #[cfg(feature = "hardware")]
 pub use edof_board as board;
 pub use edof_core as core;
+pub use edof_deblur as deblur;
 pub use edof_device as device;
 pub use edof_golden as golden;
 #[cfg(feature = "hardware")]

@@ -16,7 +16,6 @@ use edof::job::{
 };
 use edof_core::camera::Camera;
 use edof_core::frame::FrameError;
-use edof_core::noise::SensorNoise;
 use edof_core::words::{count, number};
 use edof_core::{CfaPhase, Noise, Tone};
 use edof_io::raw;
@@ -201,7 +200,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         ui.say(format!(
             "noise: white has {} electrons; that is gain {} for edof train and edof stream",
             number(sensor.full_scale_e().round()),
-            number((1e3 * equal_gain(sensor)).round() / 1e3)
+            number((1e3 * sensor.reference_gain()).round() / 1e3)
         ))?;
     }
     match &shots[..] {
@@ -429,11 +428,6 @@ impl Args {
         approximation.check().map_err(|e| Error::message(format!("--{e}")))?;
         Ok(approximation)
     }
-}
-
-/// Returns the gain at which the sensor of trainings has as many electrons for white.
-fn equal_gain(sensor: SensorNoise) -> f64 {
-    SensorNoise::default().full_well_e / sensor.full_scale_e()
 }
 
 /// Depths whose blurs are printed; of more, the first and the last are.

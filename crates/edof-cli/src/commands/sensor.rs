@@ -5,14 +5,13 @@ use crate::files::Files;
 use crate::interrupt;
 use crate::kind::Kind;
 use crate::limits::all_within;
-use crate::raw_words;
+use crate::raw_words::{self, PixelWord, Pixels};
 use crate::ui::Ui;
 use clap::Args as Options;
 use edof::job::{FrameNote, JobError, SensorJob};
-use edof_core::CfaPhase;
 use edof_core::words::{count, number};
 use edof_io::levels::Black;
-use edof_io::packing::{ByteOrder, Packing};
+use edof_io::packing::ByteOrder;
 use edof_io::raw::{Alignment, RawOptions, Size};
 use edof_io::record::{self, Stated};
 use edof_io::sensor::measure::{DarkReport, Doubt, FlatReport, Limits, Report};
@@ -59,17 +58,19 @@ pub struct Args {
     #[arg(long, value_name = "WIDTHxHEIGHT")]
     size: Option<Size>,
 
-    /// Packing of a headerless file's pixels, as in edof stream: words (16 bits each), bytes (8), mipi10, mipi12, 10p, 12p, 12packed or 2vuy
-    #[arg(long, requires = "size", default_value = "words")]
-    packing: Packing,
+    /// Packing of a headerless file's pixels, as in edof stream: words (16 bits each), bytes (8), mipi10, mipi12, 10p, 12p, 12packed or 2vuy; or a
+    /// camera's name for its pixels, as in BayerRG12p, RG10 or pRCC, which states the phase, too [default: words]
+    #[arg(long, requires = "size", value_parser = raw_words::packing)]
+    packing: Option<PixelWord>,
 
     /// Bytes from one line of a headerless file to the next, where lines are padded [default: those of its pixels]
     #[arg(long, requires = "size", value_name = "BYTES")]
     line_bytes: Option<usize>,
 
-    /// Colour filter of the first 2x2 pixels: rggb, grbg, gbrg or bggr [default: that of the record or a DNG, else rggb]
-    #[arg(long, value_name = "CFA")]
-    phase: Option<CfaPhase>,
+    /// Colour filter of the first 2x2 pixels: rggb, grbg, gbrg or bggr, or a camera's name as in BayerGR [default: that of the record or a DNG, else
+    /// rggb]
+    #[arg(long, value_parser = raw_words::phase, value_name = "CFA")]
+    phase: Option<PixelWord>,
 
     /// Bits per sensor value, 8 to 16 [default: that of the record or the file, else 16]
     #[arg(long = "bit-depth", value_name = "BITS")]
@@ -100,8 +101,8 @@ pub struct Args {
 /// Frames, a list or levels that cannot be used, or a file that cannot be written.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     args.check(ui)?;
-    raw_words::check_order(args.order, args.packing)?;
-    let job = args.job();
+    let job = args.job()?;
+    raw_words::check_order(args.order, job.options.packing)?;
     let bar = ui.progress((args.dark.len() + args.flat.len()) as u64, "files");
     let done = std::cell::Cell::new(0);
     let tick = || {
@@ -277,9 +278,12 @@ impl Args {
             .check()
     }
 
-    fn job(&self) -> SensorJob {
-        let Self { phase, depth, align: alignment, order, size, packing, line_bytes, .. } = *self;
-        SensorJob {
+    fn job(&self) -> Result<SensorJob, Error> {
+        let Self { align: alignment, order, size, line_bytes, .. } = *self;
+        raw_words::check_header(self.phase.as_ref(), size.is_some())?;
+        let Pixels { packing, phase, depth } =
+            raw_words::pixels(self.packing.as_ref(), self.phase.as_ref(), self.depth)?;
+        Ok(SensorJob {
             dark: self.dark.clone(),
             flat: self.flat.clone(),
             list: self.list.clone(),
@@ -290,7 +294,7 @@ impl Args {
                 size,
                 alignment,
                 order,
-                packing,
+                packing: packing.unwrap_or_default(),
                 line_bytes,
             },
             limits: Limits {
@@ -299,6 +303,6 @@ impl Args {
                 black: self.black_level,
                 white: self.white_level,
             },
-        }
+        })
     }
 }

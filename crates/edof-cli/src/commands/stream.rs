@@ -4,15 +4,15 @@ use crate::commands::reconstruct::{Gamma, of_other_tone, option};
 use crate::commands::sensor;
 use crate::error::Error;
 use crate::files::Files;
+use crate::gain;
 use crate::interrupt;
-use crate::limits::all_within;
-use crate::raw_words;
+use crate::raw_words::{self, PixelWord, Pixels};
 use crate::ui::Ui;
 use crate::weights;
 use clap::ValueEnum;
 use edof::job::{Balance, Layout, Pace, StreamError, StreamJob, VideoFormat};
 use edof_core::words::{count, number};
-use edof_core::{CfaPhase, Noise, Tone};
+use edof_core::{Noise, Tone};
 use edof_io::levels::{Black, Levels};
 use edof_io::packing::{ByteOrder, Packing};
 use edof_io::raw::{self, Alignment, Size};
@@ -50,13 +50,13 @@ pub struct Args {
     size: Size,
 
     /// Packing of the pixels: words (16 bits each), bytes (8), mipi10, mipi12 (MIPI RAW10, RAW12), 10p, 12p (PFNC), 12packed (GigE Vision) or 2vuy
-    /// (video for the board's cable)
-    #[arg(long, default_value = "words")]
-    packing: Packing,
+    /// (video for the board's cable); or a camera's name for its pixels, as in BayerRG12p, RG10 or pRCC, which states the phase, too [default: words]
+    #[arg(long, value_parser = raw_words::packing)]
+    packing: Option<PixelWord>,
 
-    /// Colour filter of the first 2x2 pixels: rggb, grbg, gbrg or bggr
-    #[arg(long, default_value = "rggb", value_name = "CFA")]
-    phase: CfaPhase,
+    /// Colour filter of the first 2x2 pixels: rggb, grbg, gbrg or bggr, or a camera's name as in BayerGR [default: rggb]
+    #[arg(long, value_parser = raw_words::phase, value_name = "CFA")]
+    phase: Option<PixelWord>,
 
     /// Bits per sensor value in words of 16 bits, 8 to 16, at the bottom of each word [default: 16]
     #[arg(long = "bit-depth", value_name = "BITS")]
@@ -163,13 +163,13 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     job.check().map_err(|error| args.failed(&error))?;
     let input = args.input()?;
     args.check_length(&job.layout)?;
-    args.check_record()?;
+    args.check_record(&job.layout)?;
     // Said once, after what may be refused.
     let network = Cell::new(Some(trained_for(&name, &job.network.origin)));
     let name_network = |pace: &Pace| {
         network.take().into_iter().for_each(|line| {
             ui.note(line);
-            args.doubts(pace).into_iter().for_each(|line| ui.note(line));
+            args.doubts(&job.layout, pace).into_iter().for_each(|line| ui.note(line));
         });
     };
     let tell = |pace: &Pace| {
@@ -240,15 +240,9 @@ impl Args {
     /// Name or file of the network.
     fn network(&self) -> Result<String, Error> {
         let usual = self.weights.as_deref().unwrap_or_else(|| weights::clear_for(Tone::Srgb));
-        let Some(gain) = self.gain else { return Ok(usual.to_owned()) };
-        all_within("--gain", &[gain], 0.001, 1000.0)?;
-        if let Some(file) = self.weights.as_ref().filter(|name| Path::new(name).is_file()) {
-            return Err(Error::message(format!(
-                "--gain {}: chooses among the networks of the program, and --weights {file} is a file; leave one of them out",
-                number(gain)
-            )));
-        }
-        Ok(weights::for_noise(usual, Tone::Srgb, Noise::sensor(gain.max(1.0))).to_owned())
+        gain::check(self.gain, self.weights.as_deref())?;
+        let class = |gain| weights::for_noise(usual, Tone::Srgb, Noise::of_gain(gain));
+        Ok(self.gain.map_or(usual, class).to_owned())
     }
 
     fn check_files(&self, network: &str, ui: &Ui) -> Result<(), Error> {
@@ -273,26 +267,29 @@ impl Args {
                 "--fps: only y4m states a rate; leave --fps out, or use --format y4m",
             ));
         }
-        if let Some(depth) = self.depth.filter(|_| self.packing != Packing::Words) {
+        let Pixels { packing, phase, depth } =
+            raw_words::pixels(self.packing.as_ref(), self.phase.as_ref(), self.depth)?;
+        let packing = packing.unwrap_or_default();
+        if let Some(depth) = depth.filter(|_| packing != Packing::Words) {
             return Err(Error::message(format!(
                 "--bit-depth {depth}: {} states the bits; leave --bit-depth out, or use --packing words",
-                self.packing.name()
+                packing.name()
             )));
         }
         let rate = match self.fps {
             Some(rate) => rate,
             None => "30".parse()?,
         };
-        raw_words::check_order(self.order, self.packing)?;
+        raw_words::check_order(self.order, packing)?;
         let fixed = weights::fixed(network)?;
         ui.used(weights::fixed_input(network)?);
         Ok(StreamJob {
             layout: Layout {
                 size: self.size,
-                packing: self.packing,
+                packing,
                 order: self.order,
-                depth: self.depth,
-                phase: self.phase,
+                depth,
+                phase: phase.unwrap_or_default(),
                 levels: Levels { black: self.black_level, white: self.white_level },
                 line_bytes: self.line_bytes,
             },
@@ -322,22 +319,22 @@ impl Args {
                 "{}: {found} bytes, expected whole frames of {frame} ({} packed as {}){}; give the right --size, --packing and --line-bytes",
                 self.raw.display(),
                 self.size,
-                self.packing.name(),
-                raw::padded(self.size, self.packing, found).unwrap_or_default()
+                layout.packing.name(),
+                raw::padded(self.size, layout.packing, found).unwrap_or_default()
             ))),
         }
     }
 
     /// Returns what of the first frame says that bits or darkness are not as they were stated; nothing is proved by it.
-    fn doubts(&self, pace: &Pace) -> Vec<String> {
+    fn doubts(&self, layout: &Layout, pace: &Pace) -> Vec<String> {
         let [least, largest] = pace.first_values;
         if pace.frames == 0 || self.sensor.is_some() {
             return vec![];
         }
-        let depth = self.depth.unwrap_or_else(|| self.packing.bits());
+        let depth = layout.depth();
         let full = (1u32 << depth) - 1;
         let is_dark =
-            self.packing == Packing::Words && self.white_level.is_none() && u32::from(largest) < full / 4;
+            layout.packing == Packing::Words && self.white_level.is_none() && u32::from(largest) < full / 4;
         let dark = is_dark.then(|| {
             let bits = (u16::BITS - largest.leading_zeros()).clamp(8, 16);
             format!(
@@ -360,7 +357,7 @@ impl Args {
     }
 
     /// Rejects options that contradict the record beside a file of frames.
-    fn check_record(&self) -> Result<(), Error> {
+    fn check_record(&self, layout: &Layout) -> Result<(), Error> {
         if is_standard(&self.raw) || !self.raw.is_file() {
             return Ok(());
         }
@@ -369,10 +366,10 @@ impl Args {
         let is_top = record.alignment == Alignment::Top;
         let levels = |level| Some(level).filter(|_| self.sensor.is_none());
         let stated = Stated {
-            phase: Some(self.phase),
-            depth: Some(self.depth.unwrap_or_else(|| self.packing.bits())).filter(|_| !is_top),
+            phase: Some(layout.phase),
+            depth: Some(layout.depth()).filter(|_| !is_top),
             size: Some(self.size),
-            packing: Some(self.packing),
+            packing: Some(layout.packing),
             black_level: levels(self.black_level).filter(|_| !is_top),
             ..Stated::default()
         };

@@ -92,6 +92,7 @@ fn everything_that_is_stated_otherwise_is_a_contradiction() {
         black_level: Some(64.into()),
         white_level: Some(4096.0),
         tone: Some(Tone::Linear),
+        gain: None,
         camera: Some(Camera { name: "same lens".into(), ..record.camera.clone() }),
     };
     assert_eq!(told(as_taken), [""; 0]);
@@ -104,9 +105,10 @@ fn everything_that_is_stated_otherwise_is_a_contradiction() {
         black_level: Some(0.into()),
         white_level: Some(4000.0),
         tone: Some(Tone::Srgb),
+        gain: Some(4.0),
         camera: Some(Camera::resolve("ring-outer").unwrap()),
     };
-    let says = ["gbrg", "12", "top", "64", "4096", "linear", "clear (they differ in "];
+    let says = ["gbrg", "12", "top", "64", "4096", "linear", "clear (they differ in ", "0.01"];
     let found = told(otherwise.clone());
     assert_eq!(found.len(), says.len(), "{found:?}");
     for (line, says) in found.iter().zip(says) {

@@ -10,6 +10,7 @@ pub(in crate::commands) use wording::{of_other_tone, option};
 use crate::commands::sensor;
 use crate::error::Error;
 use crate::files::Files;
+use crate::gain;
 use crate::interrupt;
 use crate::ui::Ui;
 use crate::weights;
@@ -28,6 +29,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     if ![8, 16].contains(&args.bits) {
         return Err(Error::message(format!("--bits {}: must be 8 or 16", args.bits)));
     }
+    gain::check(args.gain, args.weights.as_deref())?;
     let foci = Foci::of(&args)?;
     let scenes = scenes(&args, &foci)?;
     check_files(&args, &foci, &scenes, ui)?;

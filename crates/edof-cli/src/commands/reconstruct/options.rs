@@ -4,12 +4,13 @@ use super::Scene;
 use super::exposures::Foci;
 use crate::error::Error;
 use crate::lens::{self, BankFile, Lens};
-use crate::raw_words;
+use crate::raw_words::{self, PixelWord, Pixels};
 use crate::said;
 use clap::ValueEnum;
 use edof::job::{Device, Engine, FixedOptions, FrameSource, ReconstructJob};
 use edof_core::camera::Camera;
-use edof_core::{CfaPhase, DisplayMode, Stride, Tone};
+use edof_core::{DisplayMode, Stride, Tone};
+use edof_deblur::Demosaicing;
 use edof_golden::Curve;
 use edof_io::levels::Black;
 use edof_io::packing::{ByteOrder, Packing};
@@ -30,7 +31,7 @@ use std::sync::Arc;
 /// contradict it are rejected. RAW may also be a camera's DNG (a Bayer mosaic, uncompressed or as lossless JPEG): its levels, defects, lens
 /// corrections, white balance, colours, crop and orientation are applied, and options take the place of its tags (docs/dng.md). With the
 /// optional feature camera-raw RAW may be a file of another maker. The network runs in the
-/// board's integers unless --float is given.
+/// board's integers unless --float is given. --demosaic makes the plain picture of the same frame.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof reconstruct raw.png --out sharp.png
@@ -42,6 +43,8 @@ use std::sync::Arc;
   edof reconstruct raw.png --board --out board.png     codes of the HDMI port, and a picture
   edof reconstruct --video frame.2vuy --size 1920x1080 --board --out board.png
   edof reconstruct raw.png --device gpu --out sharp.png
+  edof reconstruct shot.dng --gain 8 --out sharp.png         the network for noisy frames
+  edof reconstruct raw.png --demosaic malvar --out plain.png   without a network, to compare
   edof reconstruct raw.png --words words --json counters.json --out sharp.png")]
 pub struct Args {
     /// Raw Bayer frames
@@ -66,6 +69,16 @@ pub struct Args {
     #[arg(long, requires = "psf_bank")]
     pub(super) centre: bool,
 
+    /// Gain of the sensor, up to 1000, where no RAW.json states the noise: the network of that noise is taken. It is 10000 divided by the electrons of white,
+    /// and 1 where that is less [default: the network for most noises]
+    #[arg(long, value_name = "GAIN")]
+    pub(super) gain: Option<f64>,
+
+    /// Demosaic the frame instead of running a network: malvar (linear filters) or directional (along edges). Levels, sensor correction, colours and tone are those
+    /// of a network's picture
+    #[arg(long, value_name = "METHOD", conflicts_with_all = ["weights", "gain", "fixed", "float", "stride", "board", "words"])]
+    pub(super) demosaic: Option<Demosaicing>,
+
     /// Compute in the board's integers (the default)
     #[arg(long, conflicts_with = "float")]
     pub(super) fixed: bool,
@@ -83,9 +96,10 @@ pub struct Args {
     #[arg(long)]
     pub(super) stride: Option<usize>,
 
-    /// Colour filter of the frame's first 2x2 pixels: rggb, grbg, gbrg or bggr [default: that of RAW.json or a DNG, else rggb]
-    #[arg(long)]
-    pub(super) phase: Option<CfaPhase>,
+    /// Colour filter of the frame's first 2x2 pixels: rggb, grbg, gbrg or bggr, or a camera's name as in BayerGR [default: that of RAW.json or a
+    /// DNG, else rggb]
+    #[arg(long, value_parser = raw_words::phase)]
+    pub(super) phase: Option<PixelWord>,
 
     /// Bits per sensor value, 8 to 16 [default: that of RAW.json or the file, else 16]
     #[arg(long = "bit-depth", alias = "depth", value_name = "BITS")]
@@ -108,9 +122,10 @@ pub struct Args {
     pub(super) order: ByteOrder,
 
     /// Packing of a headerless file's pixels: words (16 bits each), bytes (8), mipi10, mipi12 (MIPI RAW10, RAW12), 10p, 12p (PFNC),
-    /// 12packed (GigE Vision) or 2vuy (as --video) [default: words]
-    #[arg(long, requires = "size")]
-    pub(super) packing: Option<Packing>,
+    /// 12packed (GigE Vision) or 2vuy (as --video); or a camera's name for its pixels, as in BayerRG12p, RG10 or pRCC, which states the phase,
+    /// too [default: words]
+    #[arg(long, requires = "size", value_parser = raw_words::packing)]
+    pub(super) packing: Option<PixelWord>,
 
     /// Bytes from one line of a headerless file to the next, where lines are padded [default: those of its pixels]
     #[arg(long, requires = "size", value_name = "BYTES")]
@@ -215,13 +230,15 @@ impl Args {
         sensor: Option<Arc<Correction>>,
     ) -> Result<ReconstructJob, Error> {
         let stated = self.stated_lens()?.map(|lens| lens.camera);
+        let pixels = self.pixels()?;
         let frames = scene.raws.into_iter().zip(foci.cameras(stated.as_ref()));
-        let mut sources = frames.map(|(raw, camera)| self.source(raw, camera, sensor.clone()));
+        let mut sources = frames.map(|(raw, camera)| self.source(raw, pixels, camera, sensor.clone()));
         let source = sources.next().unwrap_or_else(|| unreachable!("a scene has a frame"));
         let stride = self.stride.map(said::stride).transpose()?;
-        let engine = match self.float || foci.are_several() {
-            true => Engine::Float(stride.unwrap_or(Stride::PATCH)),
-            false => Engine::Fixed(FixedOptions {
+        let engine = match self.demosaic {
+            Some(method) => Engine::Demosaic(method),
+            None if self.float || foci.are_several() => Engine::Float(stride.unwrap_or(Stride::PATCH)),
+            None => Engine::Fixed(FixedOptions {
                 stride,
                 display: self.display,
                 codes: self.codes_file(&scene.out),
@@ -241,24 +258,36 @@ impl Args {
         })
     }
 
+    /// What the options state of the frame's pixels.
+    fn pixels(&self) -> Result<Pixels, Error> {
+        raw_words::check_header(self.phase.as_ref(), self.size.is_some() && !self.video)?;
+        raw_words::pixels(self.packing.as_ref(), self.phase.as_ref(), self.depth)
+    }
+
     /// A raw frame, and what the options state of it.
-    fn source(&self, path: PathBuf, camera: Option<Camera>, sensor: Option<Arc<Correction>>) -> FrameSource {
-        let Self {
-            phase,
-            depth,
-            align: alignment,
-            order,
-            size,
-            packing,
-            line_bytes,
-            black_level,
-            white_level,
-            tone,
-            ..
-        } = *self;
+    fn source(
+        &self,
+        path: PathBuf,
+        Pixels { packing, phase, depth }: Pixels,
+        camera: Option<Camera>,
+        sensor: Option<Arc<Correction>>,
+    ) -> FrameSource {
+        let Self { align: alignment, order, size, line_bytes, black_level, white_level, tone, gain, .. } =
+            *self;
         FrameSource {
             path,
-            stated: Stated { phase, depth, alignment, size, packing, black_level, white_level, tone, camera },
+            stated: Stated {
+                phase,
+                depth,
+                alignment,
+                size,
+                packing,
+                black_level,
+                white_level,
+                tone,
+                camera,
+                gain,
+            },
             options: RawOptions {
                 phase: phase.unwrap_or_default(),
                 depth,

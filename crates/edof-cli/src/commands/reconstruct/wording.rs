@@ -113,7 +113,10 @@ impl Wording<'_> {
             Field::BitDepth => args.depth.map(|depth| depth.to_string()),
             Field::Alignment => args.align.map(|alignment| alignment.to_string()),
             Field::Packing if args.video => return ("--video", String::new()),
-            Field::Packing => args.packing.map(|packing| packing.name().to_owned()),
+            Field::Packing => match (&args.packing, &args.phase) {
+                (None, Some(phase)) => return ("--phase", format!(" {}", phase.word)),
+                (packing, _) => packing.as_ref().map(|packing| packing.word.clone()),
+            },
             _ => None,
         };
         (option(field), value.map_or_else(String::new, |value| format!(" {value}")))
@@ -226,6 +229,7 @@ pub(in crate::commands) const fn option(field: Field) -> &'static str {
         Field::WhiteLevel => "--white-level",
         Field::Tone => "--tone",
         Field::Camera => "--camera",
+        Field::Gain => "--gain",
     }
 }
 

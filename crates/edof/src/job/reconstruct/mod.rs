@@ -15,7 +15,8 @@ use edof_core::overlap::Overlap;
 use edof_core::reconstructor::Multiplications;
 use edof_core::storage::atomic;
 use edof_core::storage::provenance::Input;
-use edof_core::{ColourFrame, DisplayMode, Frame422, RawFrame, Reconstructor, Stride, Tone, cable};
+use edof_core::{ColourFrame, DisplayMode, Frame422, Noise, RawFrame, Reconstructor, Stride, Tone, cable};
+use edof_deblur::Demosaicing;
 use edof_golden::words::Boundary;
 use edof_golden::{Counts, Curve, Display, DisplayCounts, Golden, Picture};
 use edof_gpu::{GpuFloat, GpuGolden};
@@ -29,7 +30,7 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// A reconstruction: which frame, by which network, and which files are written.
+/// A reconstruction: which frame, by which network or demosaicing, and which files are written.
 #[derive(Debug, Clone)]
 pub struct ReconstructJob {
     /// The raw frame; for a network of several exposures, the first of the scene.
@@ -40,9 +41,9 @@ pub struct ReconstructJob {
     pub network: Option<String>,
     /// Whether a network that was trained for another lens is used.
     pub accepts_any_lens: bool,
-    /// How the network is computed.
+    /// How the picture is computed.
     pub engine: Engine,
-    /// What computes it.
+    /// What computes the network.
     pub device: Device,
     /// Transfer curve of the picture and of the board's tables; by default that of the tone.
     pub curve: Option<Curve>,
@@ -52,13 +53,15 @@ pub struct ReconstructJob {
     pub out: PathBuf,
 }
 
-/// How a network is computed.
+/// How a picture is computed.
 #[derive(Debug, Clone)]
 pub enum Engine {
-    /// In floating point, at a stride.
+    /// By a network in floating point, at a stride.
     Float(Stride),
-    /// In the board's integers.
+    /// By a network in the board's integers.
     Fixed(FixedOptions),
+    /// By demosaicing, without a network.
+    Demosaic(Demosaicing),
 }
 
 /// What the board's integers are computed for.
@@ -77,13 +80,13 @@ pub struct FixedOptions {
 /// A picture that has been written.
 #[derive(Debug, Clone)]
 pub struct Reconstructed {
-    /// The network and how it was computed.
+    /// The network and how it was computed, or the demosaicing.
     pub method: String,
     /// Rows and columns of the picture.
     pub size: (usize, usize),
     /// Tone of the picture.
     pub tone: Tone,
-    /// Seconds of the network.
+    /// Seconds of the network or the demosaicing.
     pub seconds: f64,
     /// Multiplications, where they are counted.
     pub multiplications: Option<Multiplications>,
@@ -118,20 +121,30 @@ impl ReconstructJob {
         match &self.engine {
             Engine::Float(stride) => self.float(exposures, *stride, note),
             Engine::Fixed(options) => self.fixed(exposures, options, note),
+            Engine::Demosaic(method) => self.by(&*method.reconstructor(), exposures, None, note),
         }
     }
 
-    /// Returns the network's name or file: the one asked for, else the one for this lens, this tone, and the noise that the frame's record states. Of an unknown
-    /// lens nobody said that it has a mask.
+    /// Returns the network's name or file: the one asked for, else the one for this lens, this tone, and the noise that the frame's record states. A noise that
+    /// the user states chooses among the classes of the one asked for, too. Of an unknown lens nobody said that it has a mask.
     fn network<'a>(&'a self, taken: &Taken) -> &'a str {
         let tone = self.tone(taken);
         let usual = |camera: &Camera| {
             if camera.is_clear() { weights::clear_for(tone) } else { weights::default_for(tone) }
         };
         let trained = |camera| weights::trained_on(camera, tone).unwrap_or_else(|| usual(camera));
-        let usual = taken.camera.as_ref().map_or_else(|| weights::clear_for(tone), trained);
-        let fitting = |record: &edof_io::record::RawRecord| weights::for_noise(usual, tone, record.noise);
-        self.network.as_deref().unwrap_or_else(|| taken.record.as_ref().map_or(usual, fitting))
+        let usual = || taken.camera.as_ref().map_or_else(|| weights::clear_for(tone), trained);
+        let is_chosen = self.network.is_none() || self.source.stated.gain.is_some();
+        let name = self.network.as_deref().unwrap_or_else(usual);
+        match self.noise(taken).filter(|_| is_chosen) {
+            Some(noise) => weights::for_noise(name, tone, noise),
+            None => name,
+        }
+    }
+
+    /// Returns the noise that the frame's record or the user states.
+    fn noise(&self, taken: &Taken) -> Option<Noise> {
+        taken.record.as_ref().map(|record| record.noise).or(self.source.stated.noise())
     }
 
     /// Returns the stated tone, else that of the record, else the one that suits a sensor's light.
@@ -161,9 +174,21 @@ impl ReconstructJob {
             None => Box::new(FloatReconstructor::new(network, stride, Overlap::Hann, Output::Rgb)?),
             Some(device) => Box::new(GpuFloat::new(device, network, stride, Overlap::Hann)?),
         };
+        self.by(&*method, exposures, Some(input), note)
+    }
+
+    /// Writes the picture that a method makes of light; `network` is the file of its weights, if it has any.
+    fn by(
+        &self,
+        method: &dyn Reconstructor,
+        exposures: Vec<Taken>,
+        network: Option<Input>,
+        note: &dyn Fn(FrameNote),
+    ) -> Result<Reconstructed, JobError> {
         let light: Vec<_> = exposures.iter().map(|taken| taken.in_values(Tone::Linear)).collect();
         let light: Vec<&RawFrame> = light.iter().map(AsRef::as_ref).collect();
         let result = method.reconstruct_exposures(&light).map_err(|e| self.failed(e))?;
+        let taken = &exposures[0];
         Ok(Reconstructed {
             method: method.name().to_owned(),
             size: self.save(result.frame, taken, note)?,
@@ -171,7 +196,7 @@ impl ReconstructJob {
             seconds: result.seconds,
             multiplications: result.multiplications,
             counts: None,
-            inputs: exposures.into_iter().map(|taken| taken.input).chain([input]).collect(),
+            inputs: exposures.into_iter().map(|taken| taken.input).chain(network).collect(),
         })
     }
 
@@ -243,7 +268,7 @@ impl ReconstructJob {
         }
     }
 
-    /// Writes a picture of the network's light; returns its rows and columns.
+    /// Writes a picture of light; returns its rows and columns.
     fn save(
         &self,
         mut light: ColourFrame,

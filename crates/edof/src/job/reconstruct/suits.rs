@@ -86,10 +86,10 @@ impl ReconstructJob {
         });
     }
 
-    /// Remarks on noise, as the frame's record states it, outside of the range that the network was trained for.
+    /// Remarks on noise, as the frame's record or the user states it, outside of the range that the network was trained for.
     fn remark_on_noise(&self, origin: &Origin, taken: &Taken, note: &dyn Fn(FrameNote)) {
         let (name, tone) = (self.network(taken), self.tone(taken));
-        let Some(noise) = taken.record.as_ref().map(|record| record.noise) else { return };
+        let Some(noise) = self.noise(taken) else { return };
         if origin.fit(tone, noise).is_none_or(Fit::is_inside) {
             return;
         }
