@@ -293,6 +293,13 @@ fn a_design_for_another_board_is_estimated_and_what_the_board_lacks_is_named() {
         "{estimate}"
     );
     place.edof(line).refused(&["open.json: is there already", "--force"]);
+    // Of this network two sets of weights and the lines of such frames do not fit; one set does.
+    let large = "design new --board ulx3s --weights paper-t4 --size 640x480 --clock-mhz 50 --out large.json";
+    let made = place.edof(&format!("{large} --json")).done();
+    assert!(made.err.contains("two sets of weights do not fit"), "{}", made.err);
+    assert_eq!(json(&place, "large.json")["sets"], 1);
+    let used = &json_of(&made.out)["promise"]["stream_core"]["dp16kd"];
+    assert!(used.as_u64().unwrap() <= 208, "{used}");
     place.edof("design new --form w8,t3,c32 --size 640x480 --out camera.json").done();
     let estimate = place.edof("estimate --design camera.json").done().out;
     assert!(estimate.contains("640x480 is no video mode of board kc705"), "{estimate}");

@@ -129,8 +129,12 @@ pub struct Estimated<'a> {
     pub limiting: usize,
     /// Cells of each stage.
     pub stages: Vec<Resources>,
-    /// Cells of all.
+    /// Cells of all stages, the module `chain`.
     pub total: Resources,
+    /// Cells of the modules that `stream_core` has around it, by their names.
+    pub around: Vec<(&'static str, Resources)>,
+    /// Cells of `stream_core`.
+    pub stream_core: Resources,
     /// From video input to output at the design's clock, with standard timing, where the board has both by cable.
     pub board: Option<Figures>,
 }
@@ -148,6 +152,8 @@ impl<'a> Estimated<'a> {
             limiting: measured.map_or_else(|| ahead.limiting_stage(), Measured::limiting_stage),
             stages: resources::stages(design),
             total: resources::whole(design),
+            around: resources::around_the_chain(design),
+            stream_core: resources::stream_core(design),
             board: design
                 .video_chips()
                 .ok()
@@ -181,7 +187,7 @@ impl<'a> Estimated<'a> {
     /// All of it as `edof estimate --json` writes it.
     #[must_use]
     pub fn json(&self, weights: Option<&str>) -> Value {
-        let Self { design, measured, pairs, ahead, cycles, stages, total, .. } = self;
+        let Self { design, measured, pairs, ahead, cycles, stages, total, around, stream_core, .. } = self;
         let (names, part) = (stage_names(stages.len()), self.part());
         let picture = |Picture { name, summary }: &Picture| {
             json!({
@@ -220,6 +226,8 @@ impl<'a> Estimated<'a> {
             "scarcest": scarcest,
             "share_of_scarcest": share,
             "stages": stages.iter().enumerate().map(stage).collect::<Vec<_>>(),
+            "around_the_chain": around.iter().map(|(module, used)| json!({ "module": module, "resources": part.named(used) })).collect::<Vec<_>>(),
+            "stream_core": part.named(stream_core),
             "slowest_picture": measured.and_then(Measured::worst).map(picture),
             "pictures": measured.map(|measured| measured.0.iter().map(picture).collect::<Vec<_>>()),
         });

@@ -21,7 +21,9 @@ pub struct Promise {
     pub video: Option<(f64, usize)>,
     /// What the calculator takes.
     pub resources: Cells,
-    /// What of it is scarcest on the board's part, and its share there.
+    /// What `stream_core` takes, the calculator with all that it needs without a board.
+    pub stream_core: Cells,
+    /// What of the calculator is scarcest on the board's part, and its share there.
     pub scarcest: (String, f64),
     /// Bytes per second that the memory must take and give, where the board has video.
     pub memory: Option<[f64; 2]>,
@@ -49,6 +51,7 @@ impl Promise {
             frames_per_second: estimated.rate(ahead.cycles_per_patch),
             video: mode.map(|mode| (mode.frames_per_second(), mode.pixel_khz)),
             resources: part.named(total),
+            stream_core: part.named(&estimated.stream_core),
             scarcest: part.fullest(total),
             memory: board.as_ref().map(|board| [board.written, board.read]),
             latency: board.as_ref().map(|board| board.latency),
@@ -108,6 +111,7 @@ impl Promise {
                 "calculator's cells",
                 format!("{}; {scarcest} is {:.0} % of an {part}", self.resources, 100.0 * share),
             ),
+            ("cells of stream_core", self.stream_core.to_string()),
         ];
         let bits = (design.code_bits < 16).then(|| {
             format!(

@@ -1,7 +1,8 @@
-//! What Yosys makes of the stages of the committed designs, each mapped flat from the files as they are emitted, against the estimate. Their timing is computed from the same mapping, which is made once for both.
+//! What Yosys makes of the stages of the committed designs and of what is around them, each mapped flat from the files as they are emitted, against the estimate. Their timing is computed from the same mapping, which is made once for both.
 
 use crate::common::committed;
-use crate::timing::of_stages;
+use crate::timing::{of_core, of_stages};
+use edof_core::Stride;
 use edof_cosim::Source;
 use edof_cosim::system;
 use edof_cosim::yosys::{Cells, Options, synthesize};
@@ -11,9 +12,10 @@ use edof_device::design::{FrameSize, StageSize};
 use edof_golden::Display;
 use edof_hdl::blocks::frame_check::FrameCheck;
 use edof_hdl::board::{BoardRegisters, CycleCount, Identity, PatternSource, PictureWindow};
-use edof_hdl::resources::stages;
+use edof_hdl::resources::{around_the_chain, stages};
 use edof_network::network::{Form, Recurrence};
 use edof_verilog::describe::Circuit;
+use std::collections::BTreeMap;
 
 /// What of a stage is not as estimated: exactly, or within 15 %.
 fn differences(name: &str, estimated: &Resources, measured: &Cells) -> Vec<String> {
@@ -78,6 +80,50 @@ fn the_difference_form_takes_what_was_estimated() {
     };
     design.check().unwrap();
     assert_as_estimated(&design);
+}
+
+/// The instances in `stream_core` that its modules around the chain are, or consist of.
+const AROUND: [(&str, &str); 7] = [
+    ("window_reorder", "core/windows"),
+    ("lines", "core/lines/pairs"),
+    ("lines", "core/lines/raster"),
+    ("display", "core/display"),
+    ("table_reader", "core/tables"),
+    ("frame_check", "core/check"),
+    ("lines", "core/lines/overlap"),
+];
+
+/// Holds the modules around the chain to the estimate, all but the registers of `stream_core` itself.
+fn assert_around_as_estimated(design: &Design) {
+    let overlaps = design.frame.stride != Stride::PATCH;
+    let instances = &AROUND[..AROUND.len() - usize::from(!overlaps)];
+    let paths: Vec<String> = instances.iter().map(|(_, path)| (*path).to_owned()).collect();
+    let mut measured = BTreeMap::<&str, Cells>::new();
+    for ((module, _), part) in instances.iter().zip(of_core(design, &paths)) {
+        let all = &mut measured.entry(module).or_default().0;
+        part.cells.0.into_iter().for_each(|(cell, count)| *all.entry(cell).or_default() += count);
+    }
+    let modules = around_the_chain(design).into_iter().filter(|(module, _)| *module != "others");
+    let wrong: String = modules
+        .flat_map(|(module, estimated)| {
+            differences(&format!("{module} of {}", design.name), &estimated, &measured[module])
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+/// The smallest lines whose patches overlap.
+#[test]
+fn what_is_around_the_chain_takes_what_was_estimated() {
+    let tiny = committed("tiny");
+    let frame = FrameSize { stride: Stride::new(4).unwrap(), ..tiny.frame };
+    assert_around_as_estimated(&Design { frame, ..tiny });
+}
+
+#[test]
+#[ignore = "minutes: scripts/soak.sh"]
+fn what_is_around_the_chain_of_kc705_takes_what_was_estimated() {
+    assert_around_as_estimated(&committed("kc705"));
 }
 
 /// Elaborated, checked and mapped module by module: a whole core laid flat takes hours.

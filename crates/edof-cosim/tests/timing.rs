@@ -129,17 +129,22 @@ fn kc705_is_short_of_path_and_load() {
 }
 
 /// The core of a design with a random network.
-fn core(name: &str) -> project::Project {
-    let design = committed(name);
-    let network = edof_device::random::for_design(&design, 1);
-    system::project(&design, [&network, &network], &Display::default()).unwrap()
+fn core(design: &Design) -> project::Project {
+    let network = edof_device::random::for_design(design, 1);
+    system::project(design, [&network, &network], &Display::default()).unwrap()
+}
+
+/// Parts of a design's core, each by itself.
+pub fn of_core(design: &Design, paths: &[String]) -> Vec<PartTiming> {
+    timing::parts(&core(design), paths, Some(&cache()), &|_, _| ()).unwrap()
 }
 
 /// Every block of the core around the calculator.
 fn blocks_keep_their_limits(name: &str) {
-    let blocks = blocks::around_the_calculator(&committed(name));
+    let design = committed(name);
+    let blocks = blocks::around_the_calculator(&design);
     let paths: Vec<String> = blocks.iter().map(|block| block.path.clone()).collect();
-    let found = timing::parts(&core(name), &paths, Some(&cache()), &|_, _| ()).unwrap();
+    let found = of_core(&design, &paths);
     let long = blocks.iter().zip(&found).filter(|(block, found)| found.delay_ps > block.domain.limit_ps());
     let told: Vec<String> = long
         .map(|(block, found)| format!("{}: {} ps, {:#?}", block.path, found.delay_ps, found.path))
@@ -169,7 +174,7 @@ fn instances(core: &project::Project, module: &str) -> Vec<String> {
 
 #[test]
 fn every_block_of_the_core_is_timed() {
-    let core = core("tiny");
+    let core = core(&committed("tiny"));
     let inside = |path: &str, module: &str| -> Vec<String> {
         instances(&core, module).into_iter().map(|name| format!("{path}{name}")).collect()
     };

@@ -3,11 +3,14 @@
 //! Counts follow from the stages' sizes and from what Yosys 0.23 makes of each block for 7-series (`synth_xilinx -family xc7`).
 //! Multipliers and block RAM are exact; LUTs and flip-flops lie within 15 % (a test holds all committed designs to that).
 
+mod stream_core;
+
 use crate::blocks::SLOT_ROWS;
 use crate::blocks::shrink::extra_logic;
 use edof_device::Design;
 use edof_device::board::{Part, Resources};
 use edof_device::design::{BANK_LANES, BEAT, Kind, StagePlan, timing};
+pub use stream_core::around_the_chain;
 
 /// Returns what each stage of a design takes of its board's part.
 ///
@@ -29,10 +32,16 @@ pub fn stages(design: &Design) -> Vec<Resources> {
     design.stages().map(|plan| stage(part, &plan, design.accumulator_bits as usize) + extra(&plan)).collect()
 }
 
-/// Returns what the whole calculator takes: its stages, and what makes windows whole before them.
+/// Returns what the whole calculator, the module `chain`, takes: its stages, and what makes windows whole before them.
 #[must_use]
 pub fn whole(design: &Design) -> Resources {
     stages(design).into_iter().sum::<Resources>() + scaled(&design.board.part, Resources::logic(115, 152))
+}
+
+/// Returns what the module `stream_core` takes: the calculator, and all that it needs without a board.
+#[must_use]
+pub fn stream_core(design: &Design) -> Resources {
+    around_the_chain(design).into_iter().map(|(_, used)| used).sum::<Resources>() + whole(design)
 }
 
 /// Returns the block memories of one bank of weights.

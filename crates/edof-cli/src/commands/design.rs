@@ -14,7 +14,7 @@ use edof_core::colour::OUTPUTS_422;
 use edof_core::words::number;
 use edof_cosim::promise::Promise;
 use edof_device::Design;
-use edof_device::board::Board;
+use edof_device::board::{Board, Part};
 use edof_device::design::{FrameSize, StageSize};
 use edof_golden::cycle::estimate::estimate;
 use edof_golden::cycle::explore::foldings;
@@ -48,6 +48,8 @@ enum Task {
 
 /// Write a design file: the folding that is fastest when no value is zero, within the multipliers and the board's FPGA; with --fps the one
 /// with the fewest multipliers that is fast enough
+///
+/// Within the FPGA is what stream_core takes (edof estimate). The design has two sets of weights, or one where two do not fit and the board takes one.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof design new --form edof-t4w12 --size 1280x720 --clock-mhz 150 --out mine.json
@@ -86,7 +88,7 @@ struct New {
     #[arg(long, value_name = "PIXELS")]
     stride: Option<usize>,
 
-    /// Largest number of multipliers [default: all of the board's, on the KC705 840 DSP48E1]
+    /// Largest number of multipliers of the calculator [default: as many as fit the board, on the KC705 830 DSP48E1]
     #[arg(long, value_name = "N")]
     multipliers: Option<usize>,
 
@@ -128,6 +130,9 @@ impl New {
         let design = self.folded(&self.base()?)?;
         let promise = Promise::of(&design).map_err(|e| self.of_options(&e))?;
         save(&self.out, &design)?;
+        if design.sets == 1 {
+            ui.note("two sets of weights do not fit; the design has one, which is loaded while the calculator stands");
+        }
         tell(&design, &promise, ui)?;
         ui.json(&json!({ "design": design, "out": self.out.display().to_string(), "promise": promise }))
     }
@@ -141,21 +146,24 @@ impl New {
         let part = &base.board.part;
         let multipliers = self.multipliers.unwrap_or(part.cells.multipliers);
         let fits = |design: &Design| {
-            let used = resources::whole(design);
-            used.multipliers <= multipliers && part.has(&used)
+            resources::whole(design).multipliers <= multipliers && part.has(&resources::stream_core(design))
         };
-        let fitting: Vec<Design> = foldings(base, &pairs).into_iter().filter(fits).collect();
-        let cycles = |design: &&Design| estimate(design, None).cycles_per_patch;
-        let fastest = fitting.iter().min_by(|a, b| cycles(a).total_cmp(&cycles(b))).ok_or_else(|| {
-            Error::message(format!(
-                "--multipliers {multipliers}: no folding of this form has as few and fits an {}; allow more",
-                part.name
-            ))
-        })?;
+        // Two sets of weights, or one where two do not fit.
+        let mut all = vec![];
+        for sets in base.board.sets.iter().copied().rev() {
+            all.extend(foldings(&Design { sets, ..base.clone() }, &pairs));
+            if all.iter().any(fits) {
+                break;
+            }
+        }
+        let fitting: Vec<&Design> = all.iter().filter(|design| fits(design)).collect();
+        let cycles = |design: &Design| estimate(design, None).cycles_per_patch;
+        let fastest = fitting.iter().min_by(|a, b| cycles(a).total_cmp(&cycles(b)));
+        let fastest = *fastest.ok_or_else(|| self.none_fits(&all, part, multipliers))?;
         let Some(fps) = self.fps else { return Ok(fastest.clone()) };
         let frames = |design: &Design| estimate(design, None).frames_per_second;
         // The cheapest come first.
-        fitting.iter().find(|design| frames(design) >= fps).cloned().ok_or_else(|| {
+        fitting.into_iter().find(|design| frames(design) >= fps).cloned().ok_or_else(|| {
             Error::message(format!(
                 "--fps {}: the fastest folding with at most {multipliers} multipliers makes {:.1} frames per second at {} MHz; \
                  choose a smaller --form or --size, a higher --clock-mhz, or a larger --stride",
@@ -164,6 +172,25 @@ impl New {
                 base.clock_mhz
             ))
         })
+    }
+
+    /// What to change where no folding fits.
+    fn none_fits(&self, foldings: &[Design], part: &Part, multipliers: usize) -> Error {
+        let fitting = foldings.iter().filter(|design| part.has(&resources::stream_core(design)));
+        if let Some(fewest) = fitting.map(|design| resources::whole(design).multipliers).min() {
+            return Error::message(format!(
+                "--multipliers {multipliers}: must be at least {fewest}, with which a folding of this form fits an {}",
+                part.name
+            ));
+        }
+        let network = self.weights.as_ref().map_or("--form".to_owned(), |name| format!("--weights {name}"));
+        let shares = foldings.iter().map(|design| part.fullest(&resources::stream_core(design)));
+        let (cell, share) = shares.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
+        Error::message(format!(
+            "{network}: no folding fits an {}, as the smallest needs {:.0} % of its {cell}; use a smaller network, or another --board",
+            part.name,
+            100.0 * share
+        ))
     }
 
     /// The design with one lane for as many outputs as may be, before it is folded.
@@ -189,6 +216,7 @@ impl New {
             frame: FrameSize { width: self.size.width, height: self.size.height, stride },
             sets: 2,
             board: Board::named(&self.board).unwrap_or_default(),
+            camera: None,
         };
         design.check().map_err(|e| self.of_options(&e))?;
         if let Some(network) = &network {
@@ -216,7 +244,6 @@ impl New {
 impl Check {
     fn run(&self, ui: &Ui) -> Result<(), Error> {
         let files = Files::new(ui).reads(&self.design);
-            camera: None,
         files.reads_all(self.weights.as_deref().and_then(weights::fixed_file)).check()?;
         let design = designs::load(&self.design)?;
         ui.used(designs::input(&design));

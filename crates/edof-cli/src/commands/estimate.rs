@@ -20,7 +20,8 @@ use std::path::PathBuf;
 
 /// Estimate a design's cycles per patch, frames per second and FPGA resources
 ///
-/// Without a network, all values are assumed to be non-zero. With a network, each picture is captured by the network's camera and run through the
+/// Stages and chain are the calculator; stream_core is the calculator with all that it needs in a design of your own, from raw pixels to codes. What a board has
+/// around it is not counted. Without a network, all values are assumed to be non-zero. With a network, each picture is captured by the network's camera and run through the
 /// cycle model, which leaves out zero values if the design skips zeros. For several pictures, the mean over all patches and the slowest
 /// picture are printed. The picture affects the cycles, not the resources.
 #[derive(clap::Args)]
@@ -41,7 +42,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE", requires = "weights")]
     photo: Vec<PathBuf>,
 
-    /// Depths of the pictures, separated by commas: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end), or distances as in 1.5m if the camera states nominal_m [default: the far end of the network's range]
+    /// Depths of the pictures, separated by commas: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end of an open lens), or distances as in 1.5m if the camera states nominal_m [default: the far end of the network's range]
     #[arg(
         long,
         value_delimiter = ',',
@@ -93,7 +94,11 @@ fn tell(design: &Design, estimated: &Estimated<'_>, ui: &Ui) -> Result<(), Error
             counts(&part.named(used))
         ))?;
     }
-    ui.say(format!("{:5}  {:>12}  {:>6}  {cycles:6.1}{}", "all", "", "", counts(&cells)))?;
+    ui.say(format!("{:5}  {:>12}  {:>6}  {cycles:6.1}{}", "chain", "", "", counts(&cells)))?;
+    let modules = estimated.around.iter().map(|(module, used)| (*module, *used));
+    for (module, used) in modules.chain([("stream_core", estimated.stream_core)]) {
+        ui.say(format!("{module:35}{}", counts(&part.named(&used))))?;
+    }
     let (scarcest, share) = part.fullest(total);
     ui.say(format!(
         "{frames:.1} frames per second of {}x{} at {} MHz; {} limits; {scarcest} {:.0} % of an {}",

@@ -162,11 +162,11 @@ impl BlockMemory {
     #[must_use]
     pub fn blocks(&self, width: usize, depth: usize) -> Resources {
         let (widest, rows) = self.widest;
-        if self.half.is_some() && width <= widest / 2 && depth <= rows {
-            return Resources { half_memories: 1, ..Resources::default() };
+        let whole = fewest((width, depth), self.widest);
+        match self.half.map(|_| fewest((width, depth), (widest / 2, rows))) {
+            Some(halves) if halves < 2 * whole => Resources { half_memories: halves, ..Resources::default() },
+            _ => Resources { memories: whole, ..Resources::default() },
         }
-        let shape = |fold: u32| width.div_ceil(widest >> fold) * depth.div_ceil(rows << fold);
-        Resources { memories: (0..=3).map(shape).min().unwrap_or(0), ..Resources::default() }
     }
 
     /// Returns the rows that a memory has for so many.
@@ -181,15 +181,27 @@ impl BlockMemory {
     /// Returns the blocks of a memory both of whose ports read.
     #[must_use]
     pub fn blocks_read_twice(&self, width: usize, depth: usize) -> Resources {
-        let (widest, rows) = self.widest;
         match self.reads_twice {
-            ReadsTwice::BothPorts => Resources {
-                memories: width.div_ceil(widest / 2) * depth.div_ceil(2 * rows),
-                ..Resources::default()
-            },
+            ReadsTwice::BothPorts => self.blocks_of_two_ports(width, depth),
             ReadsTwice::Copies => self.blocks(width, depth) * 2,
         }
     }
+
+    /// Returns the blocks of a memory with two ports, each of which may use every row.
+    #[must_use]
+    pub fn blocks_of_two_ports(&self, width: usize, depth: usize) -> Resources {
+        let (widest, rows) = self.widest;
+        let memories = fewest((width, depth), (widest / 2, 2 * rows));
+        Resources { memories, ..Resources::default() }
+    }
+}
+
+/// The fewest blocks for words of a width in so many rows, of blocks with words of at most `widest` bits; with words of half the bits a block has twice the
+/// rows.
+fn fewest((width, depth): (usize, usize), (widest, rows): (usize, usize)) -> usize {
+    let bits = (0..).map(|fold| widest >> fold).take_while(|bits| *bits > 0);
+    let blocks = bits.enumerate().map(|(fold, bits)| width.div_ceil(bits) * depth.div_ceil(rows << fold));
+    blocks.min().unwrap_or(0)
 }
 
 impl Part {
@@ -251,7 +263,37 @@ impl Serialize for Cells {
 
 #[cfg(test)]
 mod tests {
-    use crate::board::{KC705, ULX3S};
+    use crate::board::{KC705, Resources, ULX3S};
+
+    /// Yosys 0.23 mapped these memories, and for the ULX3S the scripts of `project/ecp5`.
+    #[test]
+    fn a_memory_takes_the_blocks_that_yosys_makes_of_it() {
+        let halves = |half_memories| Resources { half_memories, ..Resources::default() };
+        let whole = |memories| Resources { memories, ..Resources::default() };
+        let kintex = &KC705.part.memory;
+        for (width, depth, expected) in [
+            (15, 512, halves(1)),
+            (15, 1024, halves(1)),
+            (15, 2048, whole(1)),
+            (15, 8192, whole(4)),
+            (15, 16384, halves(15)),
+            (15, 32768, whole(15)),
+            (32, 1024, whole(1)),
+            (32, 16384, whole(16)),
+            (40, 1024, halves(3)),
+            (40, 2048, halves(5)),
+            (40, 8192, whole(10)),
+        ] {
+            assert_eq!(kintex.blocks(width, depth), expected, "{width} bits, {depth} rows");
+        }
+        let ecp5 = &ULX3S.part.memory;
+        assert_eq!((ecp5.blocks(15, 10_240), ecp5.blocks(32, 5120)), (whole(10), whole(10)));
+        for (memory, blocks) in [(kintex, [8, 6]), (ecp5, [16, 12])] {
+            let tables =
+                [(8, 32_768), (12, 16_384)].map(|(width, rows)| memory.blocks_of_two_ports(width, rows));
+            assert_eq!(tables, blocks.map(whole));
+        }
+    }
 
     #[test]
     fn a_deep_memory_has_no_rows_for_nobody_where_blocks_may_lie_under_each_other() {

@@ -108,6 +108,13 @@ pub struct OverlapAdd {
 }
 
 impl OverlapAdd {
+    /// Returns the rows that each of the two memories needs: the pairs of eight lines of patches.
+    pub(crate) fn rows(design: &Design) -> usize {
+        let (frame, stride) = (design.frame, design.frame.stride.pixels());
+        let (_, columns) = Geometry::new(design.form.window, frame.stride).patches(frame.height, frame.width);
+        PATCH * (columns * stride / 2 + (PATCH - stride) / 2)
+    }
+
     /// The overlap add of a design; none at stride 8, where patches do not overlap.
     #[must_use]
     pub fn of(design: &Design) -> Option<Self> {
@@ -117,8 +124,7 @@ impl OverlapAdd {
         }
         let (rows, columns) =
             Geometry::new(design.form.window, frame.stride).patches(frame.height, frame.width);
-        let memory =
-            || Memory::open(&design.board.part.memory, PATCH * (columns * stride / 2 + (PATCH - stride) / 2));
+        let memory = || Memory::open(&design.board.part.memory, Self::rows(design));
         let number = |value: usize| Constant::new((value as u64).into());
         let small = |value: usize| Constant::new((value as u64).into());
         let pairs = |value: usize| Constant::new((value as u64).into());

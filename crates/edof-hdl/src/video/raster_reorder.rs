@@ -102,13 +102,17 @@ pub struct RasterReorder {
 }
 
 impl RasterReorder {
+    /// Returns the rows that each of the two memories needs: for each column of pairs 16, two slots of up to 8.
+    pub(crate) const fn rows(design: &Design) -> usize {
+        16 * design.frame.width / 2
+    }
+
     /// For the frame and the stride of a design.
     #[must_use]
     pub fn of(design: &Design) -> Self {
         let (frame, stride) = (design.frame, design.frame.stride.pixels());
         let number = |value: usize| Constant::new((value as u64).into());
-        // Each pair column has 16 rows: two slots of up to 8.
-        let memory = || Memory::open(&design.board.part.memory, 16 * frame.width / 2);
+        let memory = || Memory::open(&design.board.part.memory, Self::rows(design));
         Self::from_parts(RasterReorderParts {
             last_pair_of_block: Constant::new((stride as u64 / 2 - 1).into()),
             last_row_of_block: Constant::new((stride as u64 - 1).into()),

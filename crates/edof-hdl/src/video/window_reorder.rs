@@ -148,6 +148,16 @@ pub struct WindowReorder {
 }
 
 impl WindowReorder {
+    /// Returns the bits of a line's number among those that are kept: the lines of one row of windows, and those that the next one adds.
+    fn slot_bits(design: &Design) -> u64 {
+        if design.form.window.side() + design.frame.stride.pixels() <= 16 { 4 } else { 5 }
+    }
+
+    /// Returns the rows that each of the two memories needs: pairs of pixels of the lines that are kept.
+    pub(crate) fn rows(design: &Design) -> usize {
+        (design.frame.width / 2) << Self::slot_bits(design)
+    }
+
     /// For the window, the frame and the stride of a design.
     #[must_use]
     pub fn of(design: &Design) -> Self {
@@ -157,11 +167,10 @@ impl WindowReorder {
         let (side, stride, height) = (window.side(), frame.stride.pixels(), frame.height);
         let signed = |value: isize| Constant::new((value as u64 & 0x1fff).into());
         let number = |value: usize| Constant::new((value as u64).into());
-        // The lines of one row of windows, and those that the next one adds.
-        let slot_bits: u64 = if side + stride <= 16 { 4 } else { 5 };
+        let slot_bits = Self::slot_bits(design);
         let lines = 1u64 << slot_bits;
         let start = geometry.window_start(0);
-        let memory = || Memory::open(&design.board.part.memory, (frame.width / 2) << slot_bits);
+        let memory = || Memory::open(&design.board.part.memory, Self::rows(design));
         Self::from_parts(WindowReorderParts {
             slot_bits: Constant::new(slot_bits.into()),
             slot_mask: Constant::new((lines - 1).into()),
