@@ -33,6 +33,9 @@ const SHIFT: usize = 2;
 /// last is still on its way where the screen begins a picture late.
 pub const BESIDES: usize = 2;
 
+/// Frames of the screen after the last frame was begun: when they are over, that frame was sent and shown.
+const UNTIL_SHOWN: usize = 3;
+
 /// Bits per second of a line to the core that takes few cycles.
 const FAST: u32 = 25_000_000;
 
@@ -216,13 +219,14 @@ pub fn with_rtl(project: Project, rtl: Option<&Path>) -> Result<Project, Error> 
 /// # Errors
 /// The field or the word that differs.
 pub fn check_rtl(folder: &Path, design: &Design, network: Option<&FixedNetwork>) -> Result<(), Error> {
-    let images = network.map_or_else(Vec::new, |network| {
+    let stated = network.map(|network| {
         let tables = TableWords::of(&Display::of_network(network));
         let tables = if design.board.is_cabled() { tables.tables().images(design) } else { vec![] };
-        let own = images(design, [network; 2]);
-        own.into_iter().chain(tables.into_iter().filter(|(path, _)| path.contains("display"))).collect()
+        let tables = tables.into_iter().filter(|(path, _)| path.contains("display"));
+        let images = images(design, [network; 2]).into_iter().chain(tables).collect();
+        folder::Stated { words: network.origin.values, images }
     });
-    folder::check(folder, design, &images).map_err(|e| Error::message(format!("--rtl {e}")))
+    folder::check(folder, design, stated.as_ref()).map_err(|e| Error::message(format!("--rtl {e}")))
 }
 
 /// Frames by their numbers; those that were black have none.
@@ -285,16 +289,24 @@ fn through_core(
     interrupt::check()?;
 
     let sent = frames.iter().map(system::sent).collect();
-    let mut rig = Rig::start(&compiled, &RigConfig::leisurely(design, seed), sent)?;
+    let config = RigConfig::leisurely(design, seed);
+    let mut rig = Rig::start(&compiled, &config, sent)?;
     rig.control(display.mode, 0)?;
-    let bar = ui.progress(frames.len() as u64, "frames sent");
+    // In lines, since a large frame takes minutes.
+    let lines = config.timing.frame.total() * (frames.len() + UNTIL_SHOWN - 1);
+    let bar = ui.progress(lines as u64, "lines sent");
+    let goes_on = |rig: &Rig| {
+        bar.set(rig.camera.lines as u64);
+        interrupt::check().is_ok()
+    };
     for frame in 1..frames.len() {
-        rig.send(frame)?;
-        bar.set(frame as u64);
+        rig.until("a frame of the camera", |rig| !goes_on(rig) || rig.camera.frame >= frame)?;
         interrupt::check()?;
     }
     // The last one is sent and shown.
-    rig.show(3)?;
+    let wanted = rig.screen.frames.len() + UNTIL_SHOWN;
+    rig.until("a frame on the screen", |rig| !goes_on(rig) || rig.screen.frames.len() >= wanted)?;
+    interrupt::check()?;
     drop(bar);
 
     let shown = system::compare(&rig.screen.frames, &pictures, design.frame.width).map_err(|torn| {

@@ -1,5 +1,6 @@
 //! The sources of a bitstream: everything that is written for a board, as one folder.
 
+use crate::chain::folder::WORDS;
 use crate::promise;
 use crate::system::{self, PictureError, TableWords};
 use edof_core::draw::Draw;
@@ -110,7 +111,7 @@ impl Sources {
         let project = project(design, network, shell, &mut told)?;
         let about = json!({
             "design": design,
-            "weights": { "name": network.origin.name, "float_sha256": network.float_hash },
+            "weights": { "name": network.origin.name, "float_sha256": network.float_hash, WORDS: network.origin.values },
             "top": shell.top,
         });
         let core = &project.core;
@@ -120,7 +121,7 @@ impl Sources {
         contents.insert("mem/sensor_words.mem".into(), sensor_words(network.origin.values));
         told(3, STEPS, "what the design promises");
         if let Some(page) = contents.get_mut(Path::new("README.md")) {
-            page.push_str(&promise::section(design)?);
+            *page = page.replace("@words@", words(network.origin.values)) + &promise::section(design)?;
         }
         Ok(Self { contents, about, counts, top: shell.top, clock_mhz: design.clock_mhz })
     }
@@ -159,6 +160,14 @@ impl Sources {
             bytes / 1000,
             self.clock_mhz
         )
+    }
+}
+
+/// Returns which raw words a network of such values takes.
+const fn words(values: Tone) -> &'static str {
+    match values {
+        Tone::Linear => "linear raw words",
+        Tone::Srgb => "raw words that are encoded as sRGB first",
     }
 }
 

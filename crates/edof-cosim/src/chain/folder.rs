@@ -1,12 +1,17 @@
 //! The Verilog of a folder in place of what was just generated: as `edof generate` wrote it, or as somebody changed it.
 
 use crate::error::{Error, at};
+use edof_core::Tone;
 use edof_core::storage::folder::MANIFEST;
 use edof_device::Design;
 use edof_hdl::project::Project;
+use serde::Deserialize;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
+
+/// Field of `weights` in the manifest: the tone of the words that the network takes.
+pub const WORDS: &str = "words";
 
 /// Returns the same project with the files of `folder`: its top module's, those of the modules that it stands on, and the models of the part's cells that its
 /// own benches take. Memory images stay. The folder may also be the one that `edof generate` wrote, whose Verilog is in `rtl`.
@@ -48,27 +53,41 @@ pub fn with_verilog_of(project: Project, folder: &Path) -> Result<Project, Error
     Ok(Project { verilog, sources, ..project })
 }
 
-/// Checks that a folder of `edof generate` is of a design, and that its memories start with these images. A folder without a manifest states no design;
+/// What a network makes of a folder of `edof generate`.
+pub struct Stated {
+    /// The tone of the words that it takes.
+    pub words: Tone,
+    /// The memory images, by their paths.
+    pub images: Vec<(String, String)>,
+}
+
+/// Checks that a folder of `edof generate` is of a design and, if it is stated, of a network. A folder without a manifest states no design;
 /// images that it does not have are no difference.
 ///
 /// # Errors
 /// The first field or word that differs.
-pub fn check(folder: &Path, design: &Design, images: &[(String, String)]) -> Result<(), Error> {
+pub fn check(folder: &Path, design: &Design, network: Option<&Stated>) -> Result<(), Error> {
     let places = [folder.to_owned(), folder.join("..")];
     let Some(whole) = places.into_iter().find(|place| place.join(MANIFEST).is_file()) else { return Ok(()) };
     let manifest = whole.join(MANIFEST);
     let text = fs::read_to_string(&manifest).map_err(at(&manifest))?;
-    let other = serde_json::from_str::<Value>(&text)
-        .ok()
-        .and_then(|mut about| about.get_mut("design").map(Value::take));
-    let own = serde_json::to_value(design).unwrap_or_default();
-    if let Some(field) = other.as_ref().and_then(|other| first_difference(&own, other)) {
+    let about = serde_json::from_str::<Value>(&text).unwrap_or_default();
+    let (other, own) = (about.get("design"), serde_json::to_value(design).unwrap_or_default());
+    if let Some(field) = other.and_then(|other| first_difference(&own, other)) {
         let value = |of: &Value| of.get(&field).map_or("nothing".to_owned(), Value::to_string);
         return Err(Error::Port(format!(
             "{}: is of another design, {field} is {}, expected {}; name the design that it was generated from by --design",
             folder.display(),
-            other.as_ref().map_or_else(String::new, value),
+            other.map_or_else(String::new, value),
             value(&own)
+        )));
+    }
+    let Some(Stated { words, images }) = network else { return Ok(()) };
+    let stated = about.get("weights").and_then(|weights| Tone::deserialize(weights.get(WORDS)?).ok());
+    if let Some(stated) = stated.filter(|stated| stated != words) {
+        return Err(Error::Port(format!(
+            "{}: its network takes {stated} words, expected {words} ones as the network of --weights; name the folder's network by --weights",
+            folder.display()
         )));
     }
     images.iter().try_for_each(|(path, expected)| same_words(&whole.join(path), expected))
@@ -140,8 +159,9 @@ mod tests {
         let rtl = folder.path().join("rtl");
         fs::create_dir(&rtl).unwrap();
         let design = Design::from_json(include_str!("../../../../designs/tiny.json")).unwrap();
-        let images = [("word.mem".to_owned(), "0a\nff\n".to_owned())];
-        let told = |design: &Design| check(&rtl, design, &images).map_err(|e| e.to_string());
+        let images = vec![("word.mem".to_owned(), "0a\nff\n".to_owned())];
+        let network = Stated { words: Tone::Linear, images };
+        let told = |design: &Design| check(&rtl, design, Some(&network)).map_err(|e| e.to_string());
         // Nothing states anything.
         assert_eq!(told(&design), Ok(()));
         let manifest = serde_json::json!({ "design": design }).to_string();
@@ -156,6 +176,15 @@ mod tests {
             "{:?}",
             told(&design)
         );
+        assert_eq!(check(&rtl, &design, None).map_err(|e| e.to_string()), Ok(()));
+        for (tone, expected) in [
+            (Tone::Linear, "word.mem, line 2"),
+            (Tone::Srgb, "its network takes srgb words, expected linear ones"),
+        ] {
+            let manifest = serde_json::json!({ "design": design, "weights": { WORDS: tone } }).to_string();
+            fs::write(folder.path().join(MANIFEST), manifest).unwrap();
+            assert!(told(&design).unwrap_err().contains(expected), "{:?}", told(&design));
+        }
     }
 
     #[test]

@@ -24,6 +24,8 @@ pub struct Camera {
     draw: Draw,
     /// The frame that is being sent.
     pub frame: usize,
+    /// Lines that were sent, of all frames.
+    pub lines: usize,
     /// Whether the cable is in; without it nothing comes.
     pub connected: bool,
 }
@@ -49,6 +51,7 @@ impl Camera {
             place: (0, 0),
             draw: Draw::new(1),
             frame: 0,
+            lines: 0,
             connected: true,
         })
     }
@@ -63,6 +66,7 @@ impl Camera {
         self.place.1 += 1;
         if self.place.1 == line.total() {
             self.place = (self.place.0 + 1, 0);
+            self.lines += 1;
         }
         if self.place.0 == frame.total() {
             self.place.0 = 0;
