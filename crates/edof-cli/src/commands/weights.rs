@@ -1,5 +1,6 @@
 //! `edof weights`: what a weight file holds.
 
+use crate::designs;
 use crate::error::Error;
 use crate::error_bounds;
 use crate::files::Files;
@@ -10,32 +11,54 @@ use edof::presets::PresetError;
 use edof_core::Tone;
 use edof_core::number::OUTPUT_FRACTION;
 use edof_core::storage::provenance::Provenance;
+use edof_device::design::memory;
+use edof_device::registers::word_file::WordFormat;
 use edof_network::fixed_network::{FixedMatrix, layer_names};
 use edof_network::network::Origin;
 use edof_network::weight_file::WeightFileError;
 use edof_network::{FixedNetwork, Network};
 use edof_quantize::bounds::{self, StageError};
 use serde::Serialize;
+use std::path::{Path, PathBuf};
 
 /// Print the contents of a weight file: architecture, formats, ranges, accumulators, and how it was made
 ///
 /// With a name, the command prints the float network and, if there is one, the fixed-point network made from it. With a file, it prints
 /// that file.
+///
+/// With --words, the command also writes what a host must write at run time for a calculator in a design of your own to use the network: all words of a set of weights, with
+/// their addresses, as edof board load sends them.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   edof weights edof-t4w12-outer
-  edof weights mine.fixed.safetensors --json weights.json")]
+  edof weights mine.fixed.safetensors --json weights.json
+  edof weights mine.fixed.safetensors --design mine.json --words mine.hex")]
 pub struct Args {
     /// A name such as edof-t4w12, or a weight file
     weights: String,
+
+    /// File of addresses and words to write: .hex text, .bin pairs of 32 bits (little-endian), .h an array in C
+    #[arg(long, value_name = "FILE", requires = "design")]
+    words: Option<PathBuf>,
+
+    /// Design whose calculator takes the words, by name or file
+    #[arg(long, value_name = "NAME|FILE", requires = "words")]
+    design: Option<String>,
+
+    /// Set of weights that the words go to, 0 or 1 [default: 1, or 0 if the design has one set; a generated design starts with 0]
+    #[arg(long, value_name = "N", requires = "words")]
+    set: Option<usize>,
 }
 
 /// # Errors
-/// Nothing of that name, or a file that is not a weight file.
+/// Nothing of that name, a file that is not a weight file, or words that the design does not take.
 pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
-    let files = Files::new(ui).reads_all(weights::float_file(&args.weights));
+    let files = Files::new(ui).reads_all(weights::float_file(&args.weights)).reads_all(&args.design);
+    let files = files.may_write("--words", args.words.as_ref());
     files.reads_all(weights::fixed_file(&args.weights)).check()?;
-    let found = Found { float: float(&args.weights)?, fixed: fixed(&args.weights)? };
+    let words = args.words.as_deref().zip(args.design.as_deref());
+    let words = words.map(|(file, design)| words_file(file, design, &args)).transpose()?;
+    let found = Found { float: float(&args.weights)?, fixed: fixed(&args.weights)?, words };
     let origin = match (&found.float, &found.fixed) {
         (Some(float), _) => float.origin.clone(),
         (None, Some(fixed)) => fixed.origin.clone(),
@@ -49,11 +72,48 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     if let Some(fixed) = &found.fixed {
         tell_fixed(fixed, ui)?;
     }
+    if let Some(Words { file, design, set, words }) = &found.words {
+        ui.say(format!("{file}: {words} words and their addresses, for set {set} of design {design}"))?;
+    }
     ui.json(&found)
+}
+
+/// A file of words.
+#[derive(Serialize)]
+struct Words {
+    file: String,
+    design: String,
+    set: usize,
+    words: usize,
+}
+
+/// Writes the words of a network for a set of a design.
+fn words_file(file: &Path, given: &str, args: &Args) -> Result<Words, Error> {
+    let told = file.display();
+    let format = WordFormat::of_ending(file)
+        .ok_or_else(|| Error::message(format!("--words {told}: must end in .hex, .bin or .h")))?;
+    let (design, network) = (designs::load(given)?, weights::fixed(&args.weights)?);
+    designs::fits_given(&design, given, &network)?;
+    let sets = design.sets();
+    let set = args.set.unwrap_or(sets.len() - 1);
+    let wrong = || {
+        let expected = if sets.len() == 1 { "0" } else { "0 or 1" };
+        Error::message(format!(
+            "--set {set}: must be {expected}, as design {} has sets {}",
+            design.name,
+            sets.len()
+        ))
+    };
+    let words = memory::writes(&design, &network, *sets.get(set).ok_or_else(wrong)?);
+    let about = format!("Words of {} for set {set} of design {}.", network.origin.name, design.name);
+    edof_core::storage::atomic::write(file, &format.file(&about, &words))?;
+    Ok(Words { file: told.to_string(), design: design.name, set, words: words.len() })
 }
 
 #[derive(Serialize)]
 struct Found {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    words: Option<Words>,
     #[serde(skip_serializing_if = "Option::is_none")]
     float: Option<Float>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -7,6 +7,7 @@
 //! | a page for people | [`markdown`] |
 //! | constants for C | [`c_header`] |
 //! | SystemRDL 2.0, for other tools | [`systemrdl`] |
+//! | words of a network, for other hosts | [`word_file`] |
 //!
 //! Addresses are of bytes, words have 32 bits. Rust takes its constants from [`map`] directly, and the circuit its decoder.
 
@@ -16,6 +17,7 @@ pub mod identity;
 pub mod map;
 pub mod markdown;
 pub mod systemrdl;
+pub mod word_file;
 
 /// What the host can do with a register or a window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
