@@ -1,6 +1,7 @@
 //! `generate`, `estimate` and `cosim`, by the real binary.
 
 use crate::support::{Place, Run};
+use edof_device::design::memory::{self, Set};
 use serde_json::Value;
 use std::process::Command;
 
@@ -20,6 +21,14 @@ fn an_estimate_tells_cells_cycles_and_frames() {
     let frames = report["frames_per_second"].as_f64().unwrap();
     assert!((frames - 125e6 / (192.0 * 240.0 * 135.0)).abs() < 1e-6);
     assert_eq!(report["clock_mhz"], 125.0);
+    // Each pixel is kept by the windows' lines and by the picture's, and the display has tables.
+    let around = report["around_the_chain"].as_array().unwrap();
+    let all = around.iter().chain([&report]).map(|one| one.get("resources").unwrap_or(one));
+    for cell in ["dsp48e1", "ramb36e1", "ramb18e1", "lut", "ff"] {
+        let sum: u64 = all.clone().map(|used| used[cell].as_u64().unwrap()).sum();
+        assert_eq!(report["stream_core"][cell], sum, "{cell}");
+    }
+    assert_eq!(report["stream_core"]["dsp48e1"], 714);
 }
 
 #[test]
@@ -156,6 +165,9 @@ fn a_generated_design_is_whole_and_the_same_every_time() {
     let files = manifest["files"].as_array().unwrap();
     assert!(files.iter().all(|file| place.path("one").join(file["path"].as_str().unwrap()).is_file()));
     assert_eq!(files.iter().filter(|f| f["path"].as_str().unwrap().starts_with("mem/")).count(), 190);
+    assert_eq!(manifest["weights"]["words"], "linear");
+    let page = std::fs::read_to_string(place.path("one/README.md")).unwrap();
+    assert!(page.contains("The network of this directory takes linear raw words (`weights.words`"), "{page}");
 }
 
 #[test]
@@ -167,6 +179,47 @@ fn without_weights_a_design_is_generated_with_a_random_network() {
     assert!(said.err.contains("makes no pictures"), "{}", said.err);
     let same = Command::new("diff").args(["-r", "one", "two"]).current_dir(place.path("")).status().unwrap();
     assert!(same.success());
+}
+
+/// That these are the words of `edof board load` is a test of `edof_board::contents`.
+#[test]
+fn the_words_that_a_host_writes_are_a_file_in_each_format() {
+    let place = Place::new();
+    place.edof("random-network --design tiny --out drawn.fixed.safetensors").done();
+    let read = |options: &str, file: &str| {
+        let line = format!("weights drawn.fixed.safetensors --design tiny {options} --words {file}");
+        let said = place.edof(&line).done().out;
+        (said, std::fs::read(place.path(file)).unwrap())
+    };
+    let network = edof_network::weight_file::load_fixed(&place.path("drawn.fixed.safetensors")).unwrap();
+    let design = edof_device::Design::from_json(include_str!("../designs/tiny.json")).unwrap();
+    for (set, options) in [(Set::Second, ""), (Set::First, "--set 0")] {
+        let words = memory::writes(&design, &network, set);
+        let (said, hex) = read(options, "words.hex");
+        assert!(
+            said.contains(&format!("words.hex: {} words and their addresses, for set", words.len())),
+            "{said}"
+        );
+        let number = |text: &str| u32::from_str_radix(text, 16).unwrap();
+        let pair = |line: &str| line.split_once(' ').map(|(address, word)| (number(address), number(word)));
+        let found: Vec<(u32, u32)> =
+            String::from_utf8(hex).unwrap().lines().map(|line| pair(line).unwrap()).collect();
+        assert_eq!(found, words);
+        let (_, bytes) = read(options, "words.bin");
+        let word = |bytes: &[u8]| u32::from_le_bytes(bytes.try_into().unwrap());
+        let found: Vec<(u32, u32)> =
+            bytes.chunks(8).map(|pair| (word(&pair[..4]), word(&pair[4..]))).collect();
+        assert_eq!(found, words);
+    }
+    let (_, header) = read("", "words.h");
+    place.write(
+        "host.c",
+        "#include \"words.h\"\nint main(void) { return EDOF_WORDS[EDOF_WORDS_COUNT - 1][0] == 0; }\n",
+    );
+    let mut compile = Command::new("cc");
+    compile.args(["-Wall", "-Werror", "-o", "host", "host.c"]).current_dir(place.path(""));
+    assert!(compile.status().unwrap().success(), "{}", String::from_utf8_lossy(&header));
+    assert!(Command::new(place.path("host")).status().unwrap().success());
 }
 
 #[test]
@@ -450,7 +503,11 @@ fn a_folder_without_the_calculator_is_rejected() {
         .refused(&["--rtl empty: has no chain.v", "or rtl in it"]);
     place.write("empty/chain.v", "module chain (input wire clock_i);\nendmodule\n");
     place.edof("cosim --design tiny --random 5 --rtl empty").refused(&["empty/chain.v: has no port reset_i"]);
-    place.edof("cosim --system --design tiny --rtl empty").refused(&["--rtl empty: has no edof_core.v"]);
+    place
+        .edof("cosim --system --design tiny --rtl empty --junit cosim.xml")
+        .refused(&["--rtl empty: has no edof_core.v"]);
+    let xml = std::fs::read_to_string(place.path("cosim.xml")).unwrap();
+    assert!(xml.contains("failures=\"1\"") && xml.contains("empty: has no edof_core.v"), "{xml}");
 }
 
 /// A run that failed says where in the core.
@@ -480,8 +537,10 @@ fn the_whole_core_of_a_folder_is_run_as_it_was_edited() {
         "  wire lost;\n  assign picture_data_o[0] = 1'b0;\n  display display (",
     );
     std::fs::write(&file, text).unwrap();
-    let told = place.edof(line);
-    is_named(&told, "the first words that differ are codes that go into the memory");
+    let differs = "the first words that differ are codes that go into the memory";
+    is_named(&place.edof(&format!("{line} --junit cosim.xml")), differs);
+    let xml = std::fs::read_to_string(place.path("cosim.xml")).unwrap();
+    assert!(xml.contains("failures=\"1\"") && xml.contains(differs), "{xml}");
     std::fs::write(&file, unedited).unwrap();
 
     // A stage clamps to another word, whose lowest bit is on no screen.
