@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Remakes every table and figure of docs/results, docs/figures and README.md: scripts/results.sh [PART]...; without arguments all parts.
 #   linear srgb   docs/results/kodak-TONE.*, some rows of each into README.md or docs/results.md (5 and 20 minutes on two cores)
+#   closed        docs/results/closed.*: the clear lens closed by half a stop, in the light of srgb  (3 minutes)
 #   held-back     docs/results/held-back.*: coded and clear lens on the eight photographs that scripts/held-back.sh names (3 minutes)
 #   held-back-colourful   the same on the four of them whose colours differ most (2 minutes)
 #   speed         docs/results/single-depth.*, docs/figures/speed.svg                   (25 minutes)
@@ -20,7 +21,7 @@
 #   colour-scenes      the same with synthetic scenes of known saturation               (3 minutes)
 #   colour-training    the same with training photographs, and copies of random saturation in training  (20 minutes)
 #   tolerances    docs/results/tolerances.*: errors of the coded lens that cost 0.1 dB, its networks by noise  (10 minutes)
-#   codes         docs/results/codes.md: codes that programs read behind the coded and the clear lens  (10 minutes)
+#   codes         docs/results/codes.md: codes that programs read behind the coded lens and clear ones; one training  (25 minutes)
 #   forms layers  docs/results/forms.md, layers.md: short trainings of other forms, and of T = 3 to 10  (30 minutes)
 #   ablations     docs/results/ablations.md: short trainings by the recipe with one change each  (25 minutes)
 #   classes       docs/results/classes.md: short trainings for classes of noise, of all weights and of the thresholds alone  (10 minutes)
@@ -37,7 +38,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/prepare.sh
 source scripts/held-back.sh
 
-parts="linear srgb held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture aperture-networks depth-known depth-known-16 two-exposures masks colour-scenes colour-training colour tolerances codes forms ablations classes joint one-noise bound layers figures"
+parts="linear srgb closed held-back held-back-colourful speed overlap depths blind knobs design bits stability aperture aperture-networks depth-known depth-known-16 two-exposures masks colour-scenes colour-training colour tolerances codes forms ablations classes joint one-noise bound layers figures"
 # shellcheck disable=SC2086 # parts are several words
 [ $# -gt 0 ] || set -- $parts
 for part in "$@"; do
@@ -128,6 +129,14 @@ photographs_of() {
     table "kodak-$1"
     quote docs/results.md "$page"
     if [ "$1" = srgb ]; then quote README.md "$page"; else quote_verdict docs/results.md kodak-linear; fi
+}
+
+# The clear lens closed by half a stop sees what the lenses of `srgb` see for the same time: depths and gains are those behind its aperture.
+# shellcheck disable=SC2046
+closed() {
+    "$edof" study kodak --tone srgb --nets "$(by_gain closed)" --psi 0,1.4142,2.8284,4.2426,5.6569 --noise none,sensor:gain=1.4142,sensor:gain=11.314 \
+        --stride 8 $(rows closed) $(pages closed)
+    table closed
 }
 
 # Photographs that no class of noise was trained on: unseen PAGE NAME,NAME...
@@ -340,9 +349,24 @@ tolerances() {
     table tolerances
 }
 
+# The clear lens open, closed by half a stop, and at the stop that is advised for codes, with a network by the recipe of edof-t4w12-closed-light
+# (scripts/weights.sh).
 # shellcheck disable=SC2046
 codes() {
-    "$edof" study codes --nets edof-t4w12-clear-light,edof-t4w12-outer-light --psi 0,2,4,6,8 --zbarimg $(rows codes) $(pages codes)
+    local folder=$trained/codes
+    local first=$folder/first.safetensors network=$folder/clear-for-codes.safetensors camera=$folder/clear-for-codes.json flat="--tone srgb --flat 64"
+    mkdir -p "$folder"
+    "$edof" optics advise --task codes --electrons 10000 --out "$camera" > /dev/null
+    if [ ! -e "$network" ]; then
+        # shellcheck disable=SC2086 # options are several words
+        [ -e "$first" ] || "$edof" train --form edof-t4w12 --seed 1 --camera "$camera" $flat --leave-out "$held_back" --out "$first" $(resume "$first") --force
+        # shellcheck disable=SC2086
+        "$edof" train --from "$first" --camera "$camera" $flat --leave-out "$held_back" --weighting mse --steps 6000 --rate 5e-4 \
+            --non-zeros 60,60,40 --lambda 2e-4,4e-4,1e-1 --out "$network.part" --name clear-for-codes --force
+        mv "$network.part" "$network"
+    fi
+    "$edof" study codes --nets "edof-t4w12-clear-light,edof-t4w12-closed-light,$network,edof-t4w12-outer-light" --module-px 1.5,2,3 --psi 0,2,4,6,8 \
+        --zbarimg $(rows codes) $(pages codes)
 }
 
 # One short training for each line of NAME OPTIONS (8,000 steps, seed 1, the default's camera; else the recipe of scripts/weights.sh), and a

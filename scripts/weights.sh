@@ -6,7 +6,7 @@
 # A run that was stopped goes on where it stood. The bytes depend on the processor's kind, not on how many threads it has.
 #
 # A network with several seeds is the best of them, which goes on with a schedule of its own in which all windows weigh alike. Classes of noise (0005) go
-# on from their own first round, or, for light, from the first round of the network for all light; the recipe is that of both lenses. Light's networks see
+# on from their own first round, or, for light, from the first round of the network for all light; the recipe is that of all lenses. Light's networks see
 # windows of a single colour. Short rounds leave fewer codes where a network exceeds its budget. The files in weights/ whose tone is linear and which are
 # no class are from before the recipe changed (0005) and before photographs were held back. The others are of this script, round by round and not in one run.
 set -euo pipefail
@@ -31,17 +31,22 @@ networks=(
     "edof-t4w12-light edof-t4w12 ring-2018 srgb 1 | --flat 64 | $all"
     "edof-t4w12-outer-light edof-t4w12 ring-outer srgb 1 | --flat 64 | $all"
     "edof-t4w12-clear-light edof-t4w12 clear-mid srgb 1 | --flat 64 | $all"
+    "edof-t4w12-closed-light edof-t4w12 clear-closed srgb 1 | --flat 64 | $all"
     "edof-t3w12c96-clear-light one-sided,w12,t3,c96,r clear-mid srgb 1 | --flat 64 --steps 24000 | $short --non-zeros 31,24 --lambda 5e-5,2e-2"
 )
 # Classes of noise. Half of the windows of the lowest have none; of the lowest of light a quarter.
-for lens in outer:ring-outer clear:clear-mid; do
-    name=edof-t4w12-${lens%:*} form="edof-t4w12 ${lens#*:}" low="--noise 0:0.006 --noiseless 2" mid="--noise 0.006:0.014" high="--noise 0.014:0.03"
-    light="$form srgb $before/$name-light-1.safetensors" long="--weighting mse --steps 100000" lowest="--gain 1:4 --noiseless 4"
-    second="--flat 64 --weighting mse --steps 60000"
-    networks+=(
+low="--noise 0:0.006 --noiseless 2" mid="--noise 0.006:0.014" high="--noise 0.014:0.03" lowest="--gain 1:4 --noiseless 4"
+long="--weighting mse --steps 100000" second="--flat 64 --weighting mse --steps 60000"
+for lens in outer:ring-outer clear:clear-mid closed:clear-closed; do
+    name=edof-t4w12-${lens%:*} form="edof-t4w12 ${lens#*:}"
+    light="$form srgb $before/$name-light-1.safetensors"
+    # The closed lens is for a sensor's light alone.
+    [ "$name" = edof-t4w12-closed ] || networks+=(
         "$name-low $form linear 1 | --steps 32000 $low | $low $fewer"
         "$name-mid $form linear 1 | --steps 32000 $mid | $mid --weighting mse --steps 80000 | $mid $long | $mid --weighting mse --steps 6000 --rate 5e-4 --lambda 5e-5,3e-4,2e-2"
         "$name-high $form linear 1 | --steps 32000 $high | $high $fewer"
+    )
+    networks+=(
         "$name-light-low $light | $lowest $second | $lowest $short --non-zeros 60,60,42 --lambda 2e-4,1e-4,6e-2"
         "$name-light-high $light | --gain 4:24 --flat 64 $long | --gain 4:24 $short --non-zeros 60,60,52 --lambda 4e-4,4e-4,5e-5"
         "$name-light-dark $light | --gain 24:4096 $second"

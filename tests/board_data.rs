@@ -206,7 +206,7 @@ fn progress_states_the_seconds_since_the_work_began() {
     let dictionary =
         "study dictionary --images photos --photos all --out d --atoms 8 --patches 2000 --rounds 4";
     for (command, what, steps) in
-        [("optics clear --psi 0,4,8 --out oo", "depths", 3), (dictionary, "rounds", 4)]
+        [("optics clear --psi 0,4,8 --out oo", "depths", 36), (dictionary, "rounds", 4)]
     {
         let lines = progress(&place.edof(&format!("{command} --progress json")).done().err);
         let own: Vec<&Value> = lines.iter().filter(|line| line["progress"] == what).collect();

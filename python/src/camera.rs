@@ -72,7 +72,7 @@ impl PyCamera {
         }
         let name = match name_or_path {
             Some(value) => name(value, "name_or_path", "the name of a preset, or the path of a JSON file")?,
-            None => "ring-outer".to_owned(),
+            None => lens::DEFAULT.to_owned(),
         };
         Ok(Self(Arc::new(
             lens::resolve(&name, psf_bank.as_deref().map(|path| BankFile { path, centre }))

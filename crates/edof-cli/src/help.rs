@@ -89,7 +89,7 @@ const COMMANDS: [(&str, &[Group]); 16] = [
         "optics",
         &[
             ("Lens", "camera aperture-mm f-number focal-mm pixel-um wavelengths range"),
-            ("Scene and light", "electrons read-noise mean-light images"),
+            ("Scene and light", "task module-px electrons read-noise mean-light images"),
         ],
     ),
     (

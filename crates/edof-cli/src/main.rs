@@ -100,8 +100,8 @@ Examples:
   edof doctor                                        lists tools, designs, networks, photographs
 
  A researcher: from a photograph to a reconstructed picture
-  edof capture photo.png --camera ring-outer --psi 8 --out raw.png --sharp sharp.png
-  edof reconstruct raw.png --camera ring-outer --out out.png
+  edof capture photo.png --psi 5 --noise sensor --out raw.png --sharp sharp.png
+  edof reconstruct raw.png --out out.png             the raw frame's record states the lens
   edof compare sharp.png out.png                     PSNR, SSIM, and where the pictures differ
   edof optics ring-2018 --out out/optics             PSF, MTF and contrast of a camera
   edof study kodak --nets paper-t4 --psi 0,4,8 --noise 0,0.01 --json study.json
@@ -124,7 +124,8 @@ Examples:
   edof board sim --design tiny --link /tmp/board     simulates a board
   edof reconstruct raw.png --board --out board.png   writes the codes of the HDMI port
 
-ψ (psi) is the defocus in radians: 0 at the far end of the cameras' range, 8 at the near end.
+ψ (psi) is the defocus in radians: 0 at the far end of the cameras' range, 8 at the near end, 5.7
+behind clear-closed, whose aperture is smaller.
 A camera with nominal_m also accepts distances such as 1.5m. σ is the standard deviation of the
 noise, with white at 1. Each command has its own --help with examples. Exit status: 0 done,
 1 failed (one line on standard error), 2 wrong usage, 130 stopped by Ctrl-C.";

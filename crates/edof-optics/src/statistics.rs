@@ -62,6 +62,19 @@ impl Statistics {
         Self { spectra }
     }
 
+    /// The model of black print on white: random square modules of that side in pixels, as in a QR code, of the same light in red, green and blue. A
+    /// pixel sees the mean over its square, at any place of the modules' grid.
+    ///
+    /// # Panics
+    /// A side that is not above 0.
+    #[must_use]
+    pub fn print(module_px: f64) -> Self {
+        assert!(module_px > 0.0, "modules of {module_px} pixels");
+        let axis: Vec<f64> = (0..N).map(|i| print_power(module_px, i)).collect();
+        let variance = (0.5 * (PAPER - INK)).powi(2);
+        Self { spectra: PAIRS.map(|_| Array2::from_shape_fn((N, N), |(r, c)| variance * axis[r] * axis[c])) }
+    }
+
     /// Measured on photographs: windowed tiles' cross spectra about the mean colour, averaged.
     ///
     /// # Errors
@@ -120,6 +133,26 @@ const LOWEST: f64 = 1.0 / 256.0;
 const CROSS: f64 = 0.7;
 /// Variance (full scale 1) and exponent of the spectrum of brightness·√3, red − blue and green − magenta.
 const NATURAL: [(f64, f64); 3] = [(0.126, 2.4), (0.0125, 2.8), (0.004, 2.8)];
+
+/// Linear light of white paper.
+pub const PAPER: f64 = 0.8;
+/// Linear light of black ink.
+pub const INK: f64 = 0.04;
+
+/// Power of random modules along one axis at an index of the torus, variance 1 before pixels are seen. Two points covary by the share of places of the grid at
+/// which one module holds both; a pixel's square weighs their distances.
+fn print_power(module_px: f64, index: usize) -> f64 {
+    const FINE: i32 = 32;
+    let triangle = |distance: f64, half: f64| (1.0 - distance.abs() / half).max(0.0);
+    let covariance = |lag: i32| -> f64 {
+        let within = (-FINE..=FINE).map(|i| f64::from(i) / f64::from(FINE));
+        let weighed = within.map(|d| triangle(d, 1.0) * triangle(f64::from(lag) + d, module_px));
+        weighed.sum::<f64>() / f64::from(FINE)
+    };
+    let far = (module_px + 1.0).ceil().min((SIDE / 2) as f64) as i32;
+    let turn = |lag: i32| (std::f64::consts::TAU * index as f64 * f64::from(lag) / SIDE as f64).cos();
+    (-far..=far).map(|lag| covariance(lag) * turn(lag)).sum()
+}
 
 /// How often a quarter's entry stands in the whole plane, along one axis.
 const fn count(index: usize) -> f64 {
@@ -180,6 +213,36 @@ mod tests {
         assert!((correlation(0, 2) - 0.73).abs() < 0.05, "{}", correlation(0, 2));
         assert!((model.covariance(1, 1) - 0.050).abs() < 0.01, "{}", model.covariance(1, 1));
         assert!(model.spectra[0][(0, 40)] < 0.1 * model.spectra[0][(0, 10)]);
+    }
+
+    #[test]
+    fn print_varies_as_random_modules_do() {
+        use rand::{RngExt, SeedableRng};
+        // Modules of 2.625 pixels, which lie at many places of the grid of pixels; eight samples along each side of a pixel.
+        let (side, fine, module) = (512, 8, 21);
+        let mut generator = rand_pcg::Pcg64::seed_from_u64(1);
+        let modules =
+            Array2::from_shape_simple_fn((side * fine / module + 1, side * fine / module + 1), || {
+                if generator.random::<bool>() { PAPER } else { INK }
+            });
+        let mut print = ColourFrame::zeros(side, side);
+        for ((_, r, c), v) in print.planes.indexed_iter_mut() {
+            let samples = (0..fine * fine).map(|i| {
+                let (row, column) = (fine * r + i / fine, fine * c + i % fine);
+                modules[(row / module, column / module)]
+            });
+            *v = (samples.sum::<f64>() / (fine * fine) as f64) as f32;
+        }
+        let (model, measured) =
+            (Statistics::print(2.625), Statistics::of_photos([&print].into_iter()).unwrap());
+        let ratio = measured.covariance(0, 0) / model.covariance(0, 0);
+        assert!((ratio - 1.0).abs() < 0.03 && model.covariance(0, 2) == model.covariance(0, 0), "{ratio}");
+        // Of bands of frequencies, since single ones are random.
+        for (low, high) in [(2, 12), (12, 25), (25, 40), (40, 64)] {
+            let band = |of: &Statistics| of.spectra[0].slice(s![low..high, low..high]).sum();
+            let ratio = band(&measured) / band(&model);
+            assert!((ratio - 1.0).abs() < 0.1, "{low} to {high}: {ratio}");
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@
 use crate::codes::{Card, Reader, ReaderError, Symbology, codes_of_luma};
 use crate::lens::in_metres;
 use crate::metrics::MetricError;
+use crate::opening::Opening;
 use crate::pictures::{self, Names, Part, Picture, Truth};
 use crate::report::Table;
 use crate::report::picture::{caption, enlarged, sheet, stacked};
@@ -124,8 +125,8 @@ pub enum DemoError {
     Picture(#[from] image::ImageError),
 }
 
-/// Shows the scene, in which `codes` are printed, to every lens and reconstructs each raw frame with every method of that lens. `tell` hears what comes next and may
-/// stop it.
+/// Shows the scene, in which `codes` are printed, to every lens and reconstructs each raw frame with every method of that lens. Depths and noise are those of
+/// the widest lens; all see the scene for the same time. `tell` hears what comes next and may stop it.
 ///
 /// # Errors
 /// [`DemoError`].
@@ -140,7 +141,9 @@ pub fn run(
     let truth = Truth::of(scene, tone);
     let (mut pictures, mut frames, mut raws) = (vec![], vec![], vec![]);
     for lens in lenses {
-        let raw = capture(scene, &lens.camera, sensor, &Approximation::default())?.raw;
+        let opening = Opening::among(&lens.camera, lenses.iter().map(|lens| &lens.camera));
+        let behind = Sensor { noise: opening.noise(sensor.noise), ..sensor.clone() };
+        let raw = capture(&opening.scene(scene), &lens.camera, &behind, &Approximation::default())?.raw;
         for (treatment, method) in &lens.methods {
             if tell(&format!("{}: {}, {treatment}", scene.name, lens.title)).is_break() {
                 return Err(DemoError::Stopped);

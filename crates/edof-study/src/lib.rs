@@ -57,6 +57,7 @@ pub mod made;
 pub mod methods;
 pub mod metrics;
 pub mod multi_depth;
+mod opening;
 pub mod pictures;
 pub mod report;
 pub mod setup;

@@ -151,7 +151,7 @@ fn hashes_of_shipped(command: &str) -> BTreeMap<String, String> {
 /// A page outlives its weights easily: a network is trained again, and its tables stay.
 #[test]
 fn pages_are_of_the_networks_that_ship() {
-    let pages = ["one-noise", "held-back", "held-back-colourful", "kodak-linear", "kodak-srgb"];
+    let pages = ["one-noise", "held-back", "held-back-colourful", "kodak-linear", "kodak-srgb", "closed"];
     for page in pages.into_iter().chain(["overlap", "single-depth", "tolerances"]) {
         let hashes = hashes_of_shipped(&command(page));
         let mut measured = BTreeSet::new();

@@ -36,7 +36,7 @@ use std::path::{Path, PathBuf};
 /// the part hidden behind a near object is inpainted. A JSON file lists a scene of several layers from back to front, each a picture with
 /// a matte at a depth (docs/your-own-lens.md).
 ///
-/// ψ (--psi) is the defocus in radians: 0 in the plane of focus of a clear lens, the far end of the presets' range; 8 at the near end.
+/// ψ (--psi) is the defocus in radians: 0 in the plane of focus of a clear lens, the far end of the presets' range; 8 at the near end of an open lens.
 /// Cameras with nominal_m accept distances as in 1.5m, too; 'edof optics CAMERA --nominal METRES' prints the distance of each ψ.
 ///
 /// A capture approximates: it computes the depths of the scene, kernels up to a share of the energy, and as many wavelengths
@@ -54,8 +54,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE", help = format!("Raw frame to write: {}; FILE.json states how it was taken", raw::written()))]
     out: PathBuf,
 
-    /// Camera: a preset (clear, clear-mid, ring-2015, ring-2018, ring-depth-2018, ring-outer) or a JSON file
-    #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
+    /// Camera: a preset (clear, clear-mid, clear-closed, ring-2015, ring-2018, ring-depth-2018, ring-outer) or a JSON file
+    #[arg(long, default_value = lens::DEFAULT, value_name = "CAMERA")]
     camera: String,
 
     #[command(flatten)]
@@ -183,8 +183,8 @@ Examples:
   edof capture chart-4 --noise sensor:gain=8 --out raw.pgm --sharp sharp.png
   edof capture photo.png --out raw.png --video frame.2vuy
   edof capture photo.png --out raw.png --video frame.rgb --grey card.json
-  edof capture photo.png --tone linear --noise 0.01 --psi 8 --out raw.png
-  edof capture leaves --psi 6 --noise sensor:gain=4 --bit-depth 10 --out raw.png --exact";
+  edof capture photo.png --tone linear --noise 0.01 --psi 5 --out raw.png
+  edof capture leaves --psi 5 --noise sensor:gain=4 --bit-depth 10 --out raw.png --exact";
 
 /// # Errors
 /// A photograph that cannot be read or has an odd side, depths or a sensor that cannot be, a file that cannot be written.

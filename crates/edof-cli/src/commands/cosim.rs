@@ -75,7 +75,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE", conflicts_with = "random")]
     photo: Option<PathBuf>,
 
-    /// Depth of the picture: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end), or a distance as in 1.5m if the camera states nominal_m [default: the far end of the network's range]
+    /// Depth of the picture: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end of an open lens), or a distance as in 1.5m if the camera states nominal_m [default: the far end of the network's range]
     #[arg(long, allow_hyphen_values = true, conflicts_with = "random")]
     psi: Option<Depth>,
 

@@ -1,5 +1,6 @@
 //! `edof demo`: the whole program at once.
 
+use crate::commands::optics::advise::stops;
 use crate::demo_board::{Board, Told};
 use crate::error::Error;
 use crate::files::Files;
@@ -20,7 +21,7 @@ use edof_study::report::picture;
 use serde_json::Value;
 use std::path::PathBuf;
 
-/// Run the whole chain: a scene at four depths through the clear and the coded lens, reconstructed in fixed point
+/// Run the whole chain: a scene at four depths through clear lenses and the coded lens, reconstructed in fixed point
 ///
 /// Writes report.html with all pictures side by side, the pictures as PNG files, depths.png with a part of each depth, and overview.png
 /// with all pictures in one: the scene, then the lenses in the order of the table, three per row. The folder board gets the sources of a bitstream with the
@@ -41,8 +42,8 @@ pub struct Args {
     #[arg(long, value_name = "NET")]
     net: Option<String>,
 
-    /// Fixed-point network of the clear lens focused mid-range, by name or weight file
-    /// [default: edof-t4w12-clear-light, with --tone linear edof-t4w12-clear]
+    /// Fixed-point network of the clear lens, which states its aperture and focus, by name or weight file
+    /// [default: edof-t4w12-closed-light, with --tone linear edof-t4w12-clear]
     #[arg(long, value_name = "NET")]
     clear_net: Option<String>,
 
@@ -91,7 +92,8 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let malvar = Malvar::default();
     let lenses = lenses(&malvar, (camera, &coded), (clear_camera, &clear))?;
     args.check_files(&lenses, board.as_ref(), ui)?;
-    let coded = &lenses[2].camera;
+    // The last lens is the coded one.
+    let coded = &lenses[lenses.len() - 1].camera;
     let (scene, codes) = args.scene(coded)?;
     let remark = advice::better(coded, sensor.noise);
     remark.iter().for_each(|line| ui.note(line));
@@ -103,7 +105,6 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     interrupt::check()?;
     let result = result?;
     drop(progress);
-    // The last lens is the coded one.
     let coded = result.raws.last().zip(board);
     let told = coded.map(|(raw, board)| board.tell(raw, &args.out, ui)).transpose()?;
 
@@ -150,29 +151,43 @@ fn file_name(lens: &str, treatment: &str) -> String {
     format!("{lens} {treatment}").replace(',', "").replace(' ', "-") + ".png"
 }
 
-/// The clear lens focused on the background, and mid-range with its own net, and the coded lens.
+/// The clear lens as it is and at the stop of its network, and the coded lens.
 fn lenses<'a>(
     malvar: &'a Malvar,
     (camera, coded): (Camera, &'a GoldenReconstructor),
     (clear_camera, clear): (Camera, &'a GoldenReconstructor),
-) -> Result<[Lens<'a>; 3], Error> {
+) -> Result<Vec<Lens<'a>>, Error> {
     let plain = || ("demosaiced".to_owned(), malvar as &dyn Reconstructor);
     let restored =
         |method: &'a GoldenReconstructor| ("reconstructed".to_owned(), method as &dyn Reconstructor);
-    let lens = |title: &str, about: &str, camera, methods| Lens {
-        title: title.into(),
-        about: about.into(),
-        camera,
-        methods,
+    let open = Camera::resolve("clear-mid")?;
+    let closed_by = 2.0 * (open.aperture_radius_mm / clear_camera.aperture_radius_mm).log2();
+    let is_open = closed_by.abs() < 0.05;
+    let title = if is_open {
+        "clear lens, open".to_owned()
+    } else {
+        format!("clear lens, closed by {}", stops((10.0 * closed_by).round() / 10.0))
     };
-    let behind = "an ordinary lens, sharp where ψ is 0 and less so the nearer a thing is.";
-    let middle = "the same lens, sharp half-way: what an ordinary camera does best.";
-    let coded_lens = "a thin ring in the lens makes red, green and blue focus at different depths, so that one of them is nearly sharp at each.";
-    Ok([
-        lens("clear lens, focused on the background", behind, Camera::resolve("clear")?, vec![plain()]),
-        lens("clear lens, focused mid-range", middle, clear_camera, vec![plain(), restored(clear)]),
-        lens("coded lens", coded_lens, camera, vec![plain(), restored(coded)]),
-    ])
+    let about = if is_open {
+        "a lens without a mask, sharp half-way, and a network of its own."
+    } else {
+        "the same lens with a smaller aperture, which has less blur and less light, and a network of its own."
+    };
+    let ordinary = Lens {
+        title: "clear lens, open".into(),
+        about: "a lens without a mask, sharp half-way: an ordinary camera.".into(),
+        camera: open,
+        methods: vec![plain()],
+    };
+    let coded = Lens {
+        title: "coded lens, open".into(),
+        about: "a thin ring in the lens makes red, green and blue focus at different depths, so that one of them is nearly sharp at each.".into(),
+        camera,
+        methods: vec![plain(), restored(coded)],
+    };
+    let clear =
+        Lens { title, about: about.into(), camera: clear_camera, methods: vec![plain(), restored(clear)] };
+    Ok((!is_open).then_some(ordinary).into_iter().chain([clear, coded]).collect())
 }
 
 /// The report, every picture, and all of them in one.
@@ -237,7 +252,7 @@ impl Args {
     }
 
     fn clear_net(&self) -> &str {
-        self.clear_net.as_deref().unwrap_or(weights::clear_for(self.tone))
+        self.clear_net.as_deref().unwrap_or(weights::best_clear_for(self.tone))
     }
 
     fn noise(&self) -> Noise {

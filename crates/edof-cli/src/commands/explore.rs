@@ -77,7 +77,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     photo: Vec<PathBuf>,
 
-    /// Depths of the pictures, separated by commas: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end), or distances as in 1.5m if the camera states nominal_m [default: the far end of the network's range]
+    /// Depths of the pictures, separated by commas: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end of an open lens), or distances as in 1.5m if the camera states nominal_m [default: the far end of the network's range]
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
     psi: Vec<Depth>,
 

@@ -40,7 +40,7 @@ pub struct Args {
     tone: Tone,
 
     /// Camera whose range of ψ sets the depths: a preset or a JSON file
-    #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
+    #[arg(long, default_value = lens::DEFAULT, value_name = "CAMERA")]
     camera: String,
 }
 
@@ -53,7 +53,7 @@ pub struct Drawing {
     #[arg(long, value_name = "WxH")]
     pub size: Option<Size>,
 
-    /// Depths: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end), or distances as in 1.5m if the camera
+    /// Depths: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end of an open lens), or distances as in 1.5m if the camera
     /// states nominal_m. One value; four, from back to front, for a scene at four depths [default of built-in scenes: the middle
     /// of the range, or four values spread over the range]
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]

@@ -178,7 +178,7 @@ macro_rules! presets {
         ),*];
     };
 }
-presets!("clear", "clear-mid", "ring-2015", "ring-2018", "ring-depth-2018", "ring-outer");
+presets!("clear", "clear-mid", "clear-closed", "ring-2015", "ring-2018", "ring-depth-2018", "ring-outer");
 
 impl Camera {
     /// A preset by its name or a camera from a JSON file; the picture of a height map is not read.

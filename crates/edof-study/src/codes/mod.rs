@@ -16,6 +16,7 @@ use crate::journal::{Key, Line, Ordered, Proof, settings};
 use crate::methods::method::Method;
 use crate::methods::spec::Ready;
 use crate::metrics::{luma, shown};
+use crate::opening::Opening;
 use crate::setup::Setup;
 use crate::trial::{Trial, TrialError, sensor};
 use edof_core::storage::digest::sha256;
@@ -263,21 +264,9 @@ impl Plan {
 
     /// Returns ψ and noise behind a cell's lens.
     fn seen(&self, cell: &Cell) -> (f64, Noise) {
-        let radius = |setup: &Setup| setup.camera.aperture_radius_mm;
-        let widest = self.setups.iter().map(radius).fold(0.0, f64::max);
-        let area = (radius(&self.setups[cell.setup]) / widest).powi(2);
-        (area * self.psi[cell.psi], behind(self.noise[cell.noise], area))
-    }
-}
-
-/// Returns the noise behind a share of the aperture's area: the gain is raised until white fills the scale again.
-fn behind(noise: Noise, area: f64) -> Noise {
-    match noise {
-        Noise::None => Noise::None,
-        Noise::Gaussian { sigma } => Noise::Gaussian { sigma: sigma / area },
-        Noise::Sensor(sensor) => {
-            Noise::Sensor(edof_core::noise::SensorNoise { gain: sensor.gain / area, ..sensor })
-        }
+        let cameras = self.setups.iter().map(|setup| &setup.camera);
+        let opening = Opening::among(&self.setups[cell.setup].camera, cameras);
+        (opening.psi(self.psi[cell.psi]), opening.noise(self.noise[cell.noise]))
     }
 }
 

@@ -5,7 +5,7 @@ use crate::made::Made;
 use crate::report::plot::{Axis, Mark, Plot, SMALL, Series};
 use crate::report::{Report, Table};
 use crate::study_report::{StudyReport, StudyReportError};
-use crate::tables::noise_words;
+use crate::tables::{noise_words, psi_words};
 use edof_core::Noise;
 use serde::Serialize;
 
@@ -183,8 +183,8 @@ impl Codes {
         let kinds = methods.first().into_iter().flatten().map(|reached| reached.symbology.to_string());
         let header = ["lens", "method"].map(str::to_owned).into_iter().chain(kinds);
         let range = |reached: &&Reached| match reached.psi_range {
-            Some([first, last]) if first < last => format!("ψ {first} to {last}"),
-            Some([only, _]) => format!("ψ {only}"),
+            Some([first, last]) if first < last => format!("ψ {} to {}", psi_words(first), psi_words(last)),
+            Some([only, _]) => format!("ψ {}", psi_words(only)),
             None => "none".to_owned(),
         };
         let row = |own: &Vec<&Reached>| {

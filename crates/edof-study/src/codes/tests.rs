@@ -46,21 +46,6 @@ fn a_lens_in_focus_keeps_codes_readable_and_one_far_out_of_focus_does_not() {
 }
 
 #[test]
-fn a_smaller_aperture_has_less_defocus_and_more_noise_by_its_area() {
-    let wide = Camera::resolve("clear").unwrap();
-    let closed = Camera { aperture_radius_mm: wide.aperture_radius_mm / 2f64.sqrt(), ..wide.clone() };
-    let noise = vec![Noise::gaussian(0.01), Noise::sensor(3.0)];
-    let plan = plan(vec![wide, closed], vec![8.0], noise.clone());
-    let cell = |setup, noise| Cell { setup, psi: 0, sheet: 0, noise, method: 0, reader: 0, place: 0 };
-    assert_eq!(plan.seen(&cell(0, 1)), (8.0, noise[1]));
-    let (psi, behind) = plan.seen(&cell(1, 1));
-    let Noise::Sensor(sensor) = behind else { panic!("{behind:?}") };
-    assert!((psi - 4.0).abs() < 1e-12 && (sensor.gain - 6.0).abs() < 1e-12);
-    let (_, Noise::Gaussian { sigma }) = plan.seen(&cell(1, 0)) else { panic!() };
-    assert!((sigma - 0.02).abs() < 1e-12);
-}
-
-#[test]
 fn the_readable_range_is_the_widest_run_of_depths_and_its_error_is_binomial() {
     let all = rows(&plan(vec![Camera::resolve("clear").unwrap()], vec![0.0], vec![Noise::None]));
     let read = [20, 19, 20, 5, 20, 20, 0];

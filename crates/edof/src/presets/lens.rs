@@ -12,6 +12,9 @@ use edof_optics::psi_at;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+/// The camera that is meant where none is named: the lens that `edof optics advise` names for photographs in the light of a sensor, which has no mask.
+pub const DEFAULT: &str = "clear-closed";
+
 /// A camera and the files that it was read from.
 #[derive(Debug, Clone)]
 pub struct Lens {

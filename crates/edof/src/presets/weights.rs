@@ -90,6 +90,15 @@ pub const fn clear_for(tone: Tone) -> &'static str {
     }
 }
 
+/// The network behind the clear lens at the stop that is advised for photographs in the light of a sensor; where a tone has none, that of [`clear_for`].
+#[must_use]
+pub const fn best_clear_for(tone: Tone) -> &'static str {
+    match tone {
+        Tone::Linear => clear_for(tone),
+        Tone::Srgb => "edof-t4w12-closed-light",
+    }
+}
+
 /// Of the networks that come with the program for the same lens, tone and form as `name`, the one whose range of noise suits a noise best:
 /// `name` itself unless another suits it better ([`edof_network::Fit`]).
 #[must_use]

@@ -4,6 +4,7 @@ use super::scene::{Scene, with_range};
 use crate::error::Error;
 use crate::files::Files;
 use crate::lens::DepthRange;
+use crate::limits::all_within;
 use crate::ui::Ui;
 use edof_core::camera::Camera;
 use edof_core::noise::SensorNoise;
@@ -11,7 +12,7 @@ use edof_core::words::number;
 use edof_optics::bound::advise::{Advice, Choice, Kind, NETWORK_ERROR_DB, RANKING_ERROR_DB, advise};
 use edof_optics::bound::lenses::Cubic;
 use edof_optics::bound::{Light, Reached};
-use edof_optics::distance_m;
+use edof_optics::{Statistics, distance_m};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -26,6 +27,7 @@ use std::path::{Path, PathBuf};
 Examples:
   edof optics advise --range 0.4m:10m --aperture-mm 2 --electrons 3000
   edof optics advise --range 8:0 --electrons 1000 --read-noise 2.5
+  edof optics advise ring-outer --electrons 2500 --task codes --module-px 2
   edof optics advise mine.json --electrons 300 --read-noise 10 --out advised.json --json")]
 pub struct Args {
     #[command(flatten)]
@@ -39,14 +41,35 @@ pub struct Args {
     #[arg(long, default_value_t = 10_000.0, value_name = "E")]
     electrons: f64,
 
+    /// What the pictures are for: photographs, or codes (black print on white, as QR codes and bar codes are)
+    #[arg(long, value_enum, default_value_t = Task::Photographs, value_name = "TASK", conflicts_with = "images")]
+    task: Task,
+
+    /// Side of the modules of codes in pixels, for --task codes [default: 2]
+    #[arg(long, value_name = "PIXELS")]
+    module_px: Option<f64>,
+
     /// Camera file to write
     #[arg(long, value_name = "FILE", default_value = "out/advised.json")]
     out: PathBuf,
 }
 
+/// What pictures are for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Task {
+    /// Natural pictures, judged by their dB.
+    Photographs,
+    /// Black print on white.
+    Codes,
+}
+
 #[derive(Serialize)]
 struct Advised<'a> {
     psi_range: [f64; 2],
+    task: Task,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    module_px: Option<f64>,
     advised: Shown,
     others: Vec<Shown>,
     expected_error_db: f64,
@@ -57,6 +80,9 @@ struct Advised<'a> {
     train: String,
 }
 
+/// Usual side of the modules of codes in pixels: the smallest that programs read well.
+const MODULE_PX: f64 = 2.0;
+
 #[derive(Serialize)]
 struct Shown {
     lens: Kind,
@@ -64,7 +90,8 @@ struct Shown {
     f_number: f64,
     focus_psi: f64,
     focus_m: Option<f64>,
-    expected: Reached,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    expected: Option<Reached>,
     cost: Reached,
 }
 
@@ -74,17 +101,21 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     args.scene.reads(Files::new(ui)).writes("--out", &args.out).check()?;
     let open = with_range(&args.scene.camera(ui)?, args.range)?;
     let light = args.scene.light(args.electrons)?;
-    let advice = advise(&open, light, &args.scene.statistics(ui)?)?;
+    let module_px = args.module_px()?;
+    let statistics = module_px.map_or_else(|| args.scene.statistics(ui), |px| Ok(Statistics::print(px)))?;
+    let advice = advise(&open, light, &statistics)?;
     let camera = written(&advice, &open, &args)?;
     let train = train(&args.out, light, advice.advised.stops);
-    for line in lines(&advice, &open, light) {
+    for line in lines(&advice, &open, light, module_px) {
         ui.say(line)?;
     }
     ui.say(of_closed(&advice, light))?;
     ui.say(format!("The camera is in {}; a network for it:\n  {train}", args.out.display()))?;
-    let shown = |choice: &Choice| shown(&advice, choice, &open);
+    let shown = |choice: &Choice| shown(&advice, choice, &open, args.task);
     ui.json(&Advised {
         psi_range: open.psi_range,
+        task: args.task,
+        module_px,
         advised: shown(&advice.advised),
         others: advice.others.iter().map(shown).collect(),
         expected_error_db: NETWORK_ERROR_DB,
@@ -94,6 +125,23 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         camera: &camera,
         train,
     })
+}
+
+impl Args {
+    /// Side of the modules of codes, where codes are the task.
+    fn module_px(&self) -> Result<Option<f64>, Error> {
+        let given = self.module_px;
+        if self.task == Task::Photographs {
+            return given.map_or(Ok(None), |px| {
+                Err(Error::message(format!(
+                    "--module-px {}: is for --task codes; add that, or leave --module-px out",
+                    number(px)
+                )))
+            });
+        }
+        all_within("--module-px", &given.into_iter().collect::<Vec<_>>(), 0.5, 32.0)?;
+        Ok(Some(given.unwrap_or(MODULE_PX)))
+    }
 }
 
 /// Writes the advised lens as a camera file.
@@ -137,14 +185,15 @@ pub fn gains(light: Light, stops: f64) -> [f64; 2] {
     [0.5, 2.0].map(|factor| (factor * gain * 1e3).round() / 1e3).map(|gain: f64| gain.clamp(1.0, 4096.0))
 }
 
-fn shown(advice: &Advice, choice: &Choice, open: &Camera) -> Shown {
+fn shown(advice: &Advice, choice: &Choice, open: &Camera, task: Task) -> Shown {
     Shown {
         lens: choice.kind,
         stops: choice.stops,
         f_number: choice.camera.f_number(),
         focus_psi: choice.focus_psi,
         focus_m: focus_m(choice, open),
-        expected: choice.expected(),
+        // The line to the dB of networks is of photographs.
+        expected: (task == Task::Photographs).then(|| choice.expected()),
         cost: advice.cost(choice),
     }
 }
@@ -155,7 +204,7 @@ fn focus_m(choice: &Choice, open: &Camera) -> Option<f64> {
 }
 
 /// The advice in words.
-pub fn lines(advice: &Advice, open: &Camera, light: Light) -> Vec<String> {
+pub fn lines(advice: &Advice, open: &Camera, light: Light, module_px: Option<f64>) -> Vec<String> {
     let Advice { advised, others, .. } = advice;
     let [low, high] = open.psi_range;
     let mut lines = vec![format!(
@@ -183,10 +232,7 @@ pub fn lines(advice: &Advice, open: &Camera, light: Light) -> Vec<String> {
         2.0 * advised.camera.aperture_radius_mm,
         advised.focus_psi
     ));
-    let Reached { average_db, worst_db } = advised.expected();
-    lines.push(format!(
-        "A trained network is expected to reach {average_db:.1} dB on average over the depths and {worst_db:.1} dB at the worst, each +/- {NETWORK_ERROR_DB} dB."
-    ));
+    lines.push(expected(advised, module_px));
     if advised.kind != Kind::Clear
         && let Some(clear) = others.iter().find(|other| other.kind == Kind::Clear)
     {
@@ -220,6 +266,20 @@ pub fn lines(advice: &Advice, open: &Camera, light: Light) -> Vec<String> {
         "The limit: even if each pixel's depth were known, no mask whatever gains more than {average_db:.1} dB on average or {worst_db:.1} dB at the worst depth over the best clear lens."
     ));
     lines
+}
+
+/// What is to be expected of the advised lens.
+fn expected(advised: &Choice, module_px: Option<f64>) -> String {
+    let Reached { average_db, worst_db } = advised.expected();
+    match module_px {
+        None => format!(
+            "A trained network is expected to reach {average_db:.1} dB on average over the depths and {worst_db:.1} dB at the worst, each +/- {NETWORK_ERROR_DB} dB."
+        ),
+        Some(px) => format!(
+            "Ranked for black print on white with modules of {} pixels; how many codes are read behind a lens is counted by edof study codes.",
+            number(px)
+        ),
+    }
 }
 
 fn name(kind: Kind, open: &Camera) -> String {

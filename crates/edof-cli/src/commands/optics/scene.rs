@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub struct Scene {
-    /// Camera: a preset (clear, clear-mid, ring-2015, ring-2018, ring-depth-2018, ring-outer) or a JSON file; its mask is judged, too [default:
+    /// Camera: a preset (clear, clear-mid, clear-closed, ring-2015, ring-2018, ring-depth-2018, ring-outer) or a JSON file; its mask is judged, too [default:
     /// clear-mid, a lens without a mask]
     #[arg(value_name = "CAMERA")]
     camera: Option<String>,

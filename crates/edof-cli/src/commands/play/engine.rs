@@ -249,5 +249,5 @@ pub fn advice(state: &AdviceState) -> Result<Value, Error> {
     let Advice { advised, others, .. } = &advice;
     let clear = std::iter::once(advised).chain(others).find(|choice| choice.kind == Kind::Clear);
     let clear = clear.map(|choice| ClearLens { stops: choice.stops, focus_psi: choice.focus_psi });
-    Ok(json!({ "lines": advise::lines(&advice, &state.camera, light), "clear": clear }))
+    Ok(json!({ "lines": advise::lines(&advice, &state.camera, light, None), "clear": clear }))
 }

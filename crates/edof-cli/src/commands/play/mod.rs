@@ -30,10 +30,13 @@ use training::Training;
 
 /// Open a page with sliders for depth, lens, light and network, whose pictures and figures follow at once, until Ctrl-C
 ///
-/// Prints an address of this computer (127.0.0.1) for a browser. The page shows one picture sharp, raw, demosaiced, behind this lens with its network, and
+/// Prints an address of this computer (127.0.0.1) for a browser, with a random token that is part of it; Ctrl-C or a signal TERM ends the page, closing
+/// the browser does not. On a remote computer run it by 'ssh -t -L 8080:127.0.0.1:8080 HOST edof play --port 8080', and open the address on yours.
+///
+/// The page shows one picture sharp, raw, demosaiced, behind this lens with its network, and
 /// behind the clear lens at its best stop with a network for clear lenses, and plots PSFs, MTF, contrast and dB over depth. Its figures are those of
 /// capture, reconstruct, compare and optics, and the page states these commands. For a lens that no network was trained for it offers a short training.
-/// The address contains a random token. Nothing is loaded from elsewhere or sent elsewhere (docs/play.md).
+/// Nothing is loaded from elsewhere or sent elsewhere (docs/play.md).
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -46,7 +49,7 @@ pub struct Args {
     #[arg(value_name = "PHOTO")]
     photo: Option<PathBuf>,
 
-    /// Camera to begin with: a preset (clear, clear-mid, ring-2015, ring-2018, ring-depth-2018, ring-outer) or a JSON file
+    /// Camera to begin with: a preset (clear, clear-mid, clear-closed, ring-2015, ring-2018, ring-depth-2018, ring-outer) or a JSON file
     #[arg(long, default_value = "ring-outer", value_name = "CAMERA")]
     camera: String,
 
@@ -86,8 +89,14 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
         ))
     };
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(of_port)?;
-    let guard = Guard::new(listener.local_addr()?.port())?;
-    ui.say(format!("{}  (Ctrl-C ends it)", guard.address()))?;
+    let port = listener.local_addr()?.port();
+    let guard = Guard::new(port)?;
+    ui.say(format!("{}  (open the whole address in a browser; Ctrl-C ends it)", guard.address()))?;
+    if std::env::var_os("SSH_CONNECTION").is_some() {
+        ui.note(format!(
+            "this computer is reached by ssh: run 'ssh -L {port}:127.0.0.1:{port} HOST' on yours, and open the address there"
+        ));
+    }
     ui.json(&json!({ "address": guard.address() }))?;
     let training = Training::new(args.images, args.photos, args.steps, ui.provenance());
     server::serve(listener, guard, engine, training)

@@ -34,7 +34,7 @@ pub struct Args {
     #[arg(long, default_value = "edof-t4w12", value_name = "NET")]
     net: String,
 
-    /// Depth: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end), or a distance as in 1.5m if the camera states nominal_m
+    /// Depth: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end of an open lens), or a distance as in 1.5m if the camera states nominal_m
     #[arg(long, default_value = "8", allow_hyphen_values = true)]
     psi: Depth,
 

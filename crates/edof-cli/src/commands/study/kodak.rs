@@ -47,7 +47,7 @@ pub struct Args {
     #[arg(long, default_value_t = Tone::Linear, value_name = "TONE")]
     tone: Tone,
 
-    /// Depths: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end), or distances as in 1.5m if the camera states nominal_m
+    /// Depths: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end of an open lens), or distances as in 1.5m if the camera states nominal_m
     #[arg(
         long,
         value_delimiter = ',',
