@@ -199,6 +199,20 @@ fn a_training_stopped_by_ctrl_c_continues_to_the_same_bytes() {
 }
 
 #[test]
+fn a_training_that_minutes_end_is_validated_there_and_names_the_steps_that_fit() {
+    let place = with_photos();
+    let line = TRAIN.replace("--steps 600", "--steps 100000000").replace("every 200", "every 100000000");
+    let run = place.edof(&format!("{line} --minutes 0.02 --json made.json")).done();
+    assert!(run.err.contains("--minutes 0.02: ends at about step "), "{}", run.err);
+    assert!(run.err.contains(" of 100000000, expect about "), "{}", run.err);
+    let made: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(place.path("made.json")).unwrap()).unwrap();
+    assert!(made["validation_db"].as_f64().unwrap() > 10.0, "{made}");
+    let about = place.edof("weights net.safetensors --json").done().out;
+    assert!(about.contains(" --minutes 0.02 "), "{about}");
+}
+
+#[test]
 fn help_has_examples_and_a_closed_pipe_is_no_error() {
     let place = Place::new();
     let run = place.edof("--help").done();

@@ -143,6 +143,21 @@ fn only_the_page_of_the_printed_address_is_answered() {
 }
 
 #[test]
+fn over_ssh_the_tunnel_to_the_page_is_named() {
+    let place = Place::new();
+    let mut command = place.command("play");
+    let pipes = command.env("SSH_CONNECTION", "192.0.2.1 50000 192.0.2.2 22").stdout(Stdio::piped());
+    let mut program = pipes.stderr(Stdio::piped()).spawn().unwrap();
+    let [mut address, mut remark] = [String::new(), String::new()];
+    BufReader::new(program.stdout.as_mut().unwrap()).read_line(&mut address).unwrap();
+    BufReader::new(program.stderr.as_mut().unwrap()).read_line(&mut remark).unwrap();
+    program.kill().unwrap();
+    program.wait().unwrap();
+    let port = address.strip_prefix("http://127.0.0.1:").unwrap().split('/').next().unwrap();
+    assert!(remark.contains(&format!("'ssh -L {port}:127.0.0.1:{port} HOST'")), "{remark}");
+}
+
+#[test]
 fn what_is_larger_than_the_limits_is_refused_before_it_is_read() {
     let place = Place::new();
     let page = Page::open(&place, "");

@@ -121,8 +121,7 @@ pub fn sampled_otf<'py>(
 ) -> PyResult<Bound<'py, PyArray2<Complex64>>> {
     let (psf, frequencies) = (one_kernel(kernel)?, frequencies(cycles_per_pixel, "cycles_per_pixel")?);
     let mut out = Array2::<Complex64>::zeros((2, frequencies.len()));
-    for (index, frequency) in frequencies.iter().enumerate() {
-        let both = edof_optics::sampled_otf(&psf, *frequency);
+    for (index, both) in edof_optics::sampled_otf(&psf, &frequencies.to_vec()).into_iter().enumerate() {
         both.into_iter().enumerate().for_each(|(axis, value)| out[(axis, index)] = value);
     }
     Ok(out.into_pyarray(py))

@@ -4,7 +4,7 @@ use crate::error::Error;
 use edof_core::storage::provenance::{Input, Provenance};
 use edof_study::journal::{Maker, RowsFile};
 use edof_study::made::Made;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{IsTerminal, Write};
@@ -189,14 +189,25 @@ impl Ui {
 
     /// Progress of `total` steps: a bar on a terminal, a plain line now and then in a pipe.
     pub fn progress(&self, total: u64, what: impl Into<String>) -> Progress {
+        self.progress_within(None, total, what)
+    }
+
+    /// The same of work that ends after `limit` at the latest, however many steps are left then.
+    pub fn progress_within(&self, limit: Option<Duration>, total: u64, what: impl Into<String>) -> Progress {
         let what = what.into();
+        let ends = limit.and_then(|limit| Instant::now().checked_add(limit));
         let terminal = std::io::stderr().is_terminal() && !in_data();
         let bar = if terminal && !self.quiet {
             let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
-            let template = "{prefix} {wide_bar} {pos}/{len} {eta} {msg}";
-            bar.set_style(
-                ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()),
-            );
+            let template = "{prefix} {wide_bar} {pos}/{len} {left} {msg}";
+            let style =
+                ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+            bar.set_style(style.with_key(
+                "left",
+                move |state: &ProgressState, to: &mut dyn std::fmt::Write| {
+                    let _ = to.write_str(&span(sooner(state.eta().as_secs_f64(), ends)));
+                },
+            ));
             bar.set_prefix(what.clone());
             bar
         } else {
@@ -209,7 +220,7 @@ impl Ui {
         if plain.is_some() && in_data() {
             data_line(&serde_json::json!({ "progress": what, "done": 0, "total": total }));
         }
-        Progress { bar, what, plain }
+        Progress { bar, what, plain, ends }
     }
 }
 
@@ -218,6 +229,8 @@ pub struct Progress {
     bar: ProgressBar,
     what: String,
     plain: Option<Mutex<Plain>>,
+    /// When the work ends, however many steps are left then.
+    ends: Option<Instant>,
 }
 
 /// Progress in lines.
@@ -251,7 +264,8 @@ impl Progress {
             let message = self.bar.message();
             let gap = if message.is_empty() { "" } else { " " };
             let total = self.bar.length().unwrap_or(0);
-            let left = left(begun.elapsed(), position.saturating_sub(first), total.saturating_sub(position));
+            let (done, to_do) = (position.saturating_sub(first), total.saturating_sub(position));
+            let left = left(begun.elapsed(), (done, to_do), self.ends);
             crate::ui::last_line(&format!("{}: {position}/{total}{left}{gap}{message}", self.what));
         }
     }
@@ -265,7 +279,7 @@ impl Progress {
         }
         (plain.last, plain.told) = (Instant::now(), Some(position));
         let (done, to_do) = (position.saturating_sub(first), total.saturating_sub(position));
-        let left = seconds_left(begun.elapsed(), done, to_do);
+        let left = seconds_left(begun.elapsed(), (done, to_do), self.ends);
         data_line(&serde_json::json!({
             "progress": self.what,
             "done": position,
@@ -302,8 +316,8 @@ impl Drop for Progress {
 }
 
 /// What is left of a job of equal steps, in words.
-fn left(elapsed: Duration, done: u64, to_do: u64) -> String {
-    seconds_left(elapsed, done, to_do).map_or_else(String::new, |seconds| format!(", {} left", span(seconds)))
+fn left(elapsed: Duration, steps: (u64, u64), ends: Option<Instant>) -> String {
+    seconds_left(elapsed, steps, ends).map_or_else(String::new, |seconds| format!(", {} left", span(seconds)))
 }
 
 /// Seconds in words, as in `40 s`, `9 min` or `2.0 h`.
@@ -315,9 +329,14 @@ pub fn span(seconds: f64) -> String {
     }
 }
 
-/// Seconds that a job of equal steps still takes, if known.
-fn seconds_left(elapsed: Duration, done: u64, to_do: u64) -> Option<f64> {
-    (done > 0 && to_do > 0).then(|| elapsed.as_secs_f64() * to_do as f64 / done as f64)
+/// Seconds that a job of equal steps, done and to do, still takes, if known; it ends at `ends` at the latest.
+fn seconds_left(elapsed: Duration, (done, to_do): (u64, u64), ends: Option<Instant>) -> Option<f64> {
+    (done > 0 && to_do > 0).then(|| sooner(elapsed.as_secs_f64() * to_do as f64 / done as f64, ends))
+}
+
+/// Seconds until the steps or the time are over.
+fn sooner(seconds: f64, ends: Option<Instant>) -> f64 {
+    ends.map_or(seconds, |ends| ends.saturating_duration_since(Instant::now()).as_secs_f64().min(seconds))
 }
 
 /// The time in UTC, as 2026-11-22T07:05:09.250Z.
@@ -403,11 +422,20 @@ mod tests {
 
     #[test]
     fn what_is_left_follows_from_what_was_done() {
-        let left = |seconds, done, to_do| left(Duration::from_secs(seconds), done, to_do);
+        let left = |seconds, done, to_do| left(Duration::from_secs(seconds), (done, to_do), None);
         assert_eq!(left(10, 5, 20), ", 40 s left");
         assert_eq!(left(60, 1, 9), ", 9 min left");
         assert_eq!(left(600, 1, 12), ", 2.0 h left");
         assert_eq!((left(10, 0, 5), left(10, 5, 0)), (String::new(), String::new()));
+    }
+
+    #[test]
+    fn work_with_a_limit_ends_no_later_than_that() {
+        let ends = |seconds| Instant::now().checked_add(Duration::from_secs(seconds));
+        let left = |to_do, limit| seconds_left(Duration::from_secs(10), (10, to_do), ends(limit)).unwrap();
+        assert!((29.0..=30.0).contains(&left(1000, 30)), "the limit comes first");
+        assert!((left(20, 30) - 20.0).abs() < 1e-9, "the steps end first");
+        assert!(left(20, 0).abs() < 1e-9);
     }
 
     #[test]

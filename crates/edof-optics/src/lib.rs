@@ -73,8 +73,8 @@ mod tiles;
 pub use blur::{Blur, Spectrum, blur, blur_adjoint, blur_frame};
 pub use depth::{distance_m, geometric_blur_um, psi_at, psi_metres};
 pub use mtf::{
-    Footprint, Otf, cutoff_per_mm, green_cutoff_per_mm, has_one_response, otf, otfs, sampled_otf,
-    through_focus,
+    Footprint, Otf, cutoff_per_mm, green_cutoff_per_mm, has_one_response, otf, otfs, otfs_of_psf,
+    sampled_otf, through_focus,
 };
 pub use pupil::Pupil;
 pub use scene::{Layer, Scene, SceneError};

@@ -67,11 +67,9 @@ pub fn otf(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) ->
 /// [`NoPsf`].
 pub fn otfs(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) -> Result<[Otf; 2], NoPsf> {
     psf::check(camera, psi)?;
-    let step_per_mm = |support: usize| 1e3 / (support as f64 * camera.pixel_pitch_um);
     if !has_one_response(camera) {
         let psf = psf::psf(camera, channel, psi, &Settings::default())?;
-        let step_per_mm = step_per_mm(SUPPORT);
-        return Ok(contrasts_of(&psf, footprint).map(|values| Otf { step_per_mm, values }));
+        return Ok(otfs_of_psf(camera, &psf, footprint));
     }
     let spectrum = camera.spectrum(channel);
     let lines = match spectrum {
@@ -86,9 +84,22 @@ pub fn otfs(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) -
         Footprint::Lens => 1.0,
         Footprint::LensAndPixel => sinc(q as f64 / support as f64),
     };
-    let along_row =
-        Otf { step_per_mm: step_per_mm(support), values: (0..length).map(|q| mean(q) * pixel(q)).collect() };
+    let along_row = Otf {
+        step_per_mm: step_per_mm(camera, support),
+        values: (0..length).map(|q| mean(q) * pixel(q)).collect(),
+    };
     Ok([along_row.clone(), along_row])
+}
+
+/// Returns the OTF along a row of pixels and along a column of a PSF that is known, as [`otfs`] does where it computes one.
+#[must_use]
+pub fn otfs_of_psf(camera: &Camera, psf: &Psf, footprint: Footprint) -> [Otf; 2] {
+    let step_per_mm = step_per_mm(camera, SUPPORT);
+    contrasts_of(psf, footprint).map(|values| Otf { step_per_mm, values })
+}
+
+fn step_per_mm(camera: &Camera, support: usize) -> f64 {
+    1e3 / (support as f64 * camera.pixel_pitch_um)
 }
 
 /// Returns whether a camera's response is the same along every direction: it is computed, and its pupil is round.
@@ -100,10 +111,10 @@ pub fn has_one_response(camera: &Camera) -> bool {
 /// Contrast along a row of pixels and along a column, up to half a cycle a pixel.
 fn contrasts_of(psf: &Psf, footprint: Footprint) -> [Array1<f64>; 2] {
     let [upside_down, left_right, _] = psf.symmetries();
-    let frequencies = (0..=SUPPORT / 2).map(|q| q as f64 / SUPPORT as f64);
-    let responses: Vec<_> = frequencies.map(|frequency| (frequency, sampled_otf(psf, frequency))).collect();
+    let frequencies: Vec<f64> = (0..=SUPPORT / 2).map(|q| q as f64 / SUPPORT as f64).collect();
+    let responses = sampled_otf(psf, &frequencies);
     [0, 1].map(|direction| {
-        let value = |(frequency, both): &(f64, [Complex64; 2])| {
+        let value = |(frequency, both): (&f64, &[Complex64; 2])| {
             let response = both[direction];
             let contrast = if upside_down && left_right { response.re } else { response.norm() };
             match footprint {
@@ -111,20 +122,24 @@ fn contrasts_of(psf: &Psf, footprint: Footprint) -> [Array1<f64>; 2] {
                 Footprint::LensAndPixel => contrast,
             }
         };
-        responses.iter().map(value).collect()
+        frequencies.iter().zip(&responses).map(value).collect()
     })
 }
 
-/// Fourier transform of a PSF as pixels sample it, about its middle, at a frequency in cycles a pixel: along a row and along a column.
+/// Fourier transform of a PSF as pixels sample it, about its middle, at frequencies in cycles a pixel: each along a row and along a column.
 #[must_use]
-pub fn sampled_otf(psf: &Psf, cycles_per_pixel: f64) -> [Complex64; 2] {
+pub fn sampled_otf(psf: &Psf, cycles_per_pixel: &[f64]) -> Vec<[Complex64; 2]> {
     let half = (psf.side() / 2) as f64;
+    let light = psf.kernel().mapv(f64::from);
     // Sums over columns of pixels are the spread along a row.
-    [Axis(0), Axis(1)].map(|axis| {
-        let spread = psf.kernel().mapv(f64::from).sum_axis(axis);
-        let angle = |i: usize| -std::f64::consts::TAU * cycles_per_pixel * (i as f64 - half);
-        spread.iter().enumerate().map(|(i, v)| Complex64::from_polar(*v, angle(i))).sum()
-    })
+    let spreads = [Axis(0), Axis(1)].map(|axis| light.sum_axis(axis));
+    let response = |cycles: &f64| {
+        spreads.each_ref().map(|spread| {
+            let angle = |i: usize| -std::f64::consts::TAU * cycles * (i as f64 - half);
+            spread.iter().enumerate().map(|(i, v)| Complex64::from_polar(*v, angle(i))).sum()
+        })
+    };
+    cycles_per_pixel.iter().map(response).collect()
 }
 
 /// The diffraction limit 1/(λF#) at a wavelength, in cycles per millimetre.

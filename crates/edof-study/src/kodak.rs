@@ -13,6 +13,7 @@ use crate::methods::spec::Ready;
 use crate::metrics::BORDER;
 use crate::report::picture::Encoded;
 use crate::setup::Setup;
+use crate::tables::psi_words;
 use crate::trial::{Measured, Trial, TrialError, sensor};
 use edof_core::camera::Camera;
 use edof_core::storage::digest::sha256;
@@ -237,7 +238,7 @@ impl Experiment for Kodak<'_> {
 
     fn describe(&self, cell: &Cell) -> String {
         let (camera, psi) = (&self.plan.setups[cell.setup].camera.name, self.plan.conditions.psi[cell.psi]);
-        format!("{camera} at psi {psi}: {}", self.photos[cell.photo].name)
+        format!("{camera} at psi {}: {}", psi_words(psi), self.photos[cell.photo].name)
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::made::Made;
 use crate::methods::method::Format;
 use crate::summary::Study;
+use crate::tables::{noise_words, psi_words};
 use edof_core::Noise;
 
 impl Study {
@@ -26,7 +27,7 @@ impl Study {
             names.into_iter().chain(noises.iter().flat_map(of)).collect()
         });
         let groups = noises.iter().map(|noise| noise_in_latex(*noise));
-        let depths = [format!("$\\psi = {farthest}$"), "average".to_owned()];
+        let depths = [format!("$\\psi = {}$", psi_words(farthest)), "average".to_owned()];
         let remark = "PSNR in dB, mean and standard error over photographs.";
         tabular(&format!("{made}\n{remark}"), &["method", "camera"], groups, &depths, rows)
     }
@@ -77,7 +78,7 @@ fn line(cells: Vec<String>) -> String {
 pub(crate) fn noise_in_latex(noise: Noise) -> String {
     match noise {
         Noise::Gaussian { sigma } => format!("$\\sigma = {sigma}$"),
-        noise => escaped(&crate::tables::noise_words(noise)),
+        noise => escaped(&noise_words(noise)),
     }
 }
 
@@ -122,6 +123,12 @@ mod tests {
              \\bottomrule\n\\end{tabular}\n";
         assert!(latex.ends_with(expected), "{latex}");
         assert!(latex.starts_with("% Made by `edof study kodak`"), "{latex}");
+    }
+
+    #[test]
+    fn a_depth_in_a_head_has_two_decimals_at_most() {
+        let study = Study::of(vec![row(&Method::demosaic(), "p", 7.123_456_789, Noise::None, 29.0)]);
+        assert!(study.to_latex(&Made::by("edof study kodak")).contains("& $\\psi = 7.12$ & average"));
     }
 
     #[test]

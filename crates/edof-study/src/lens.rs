@@ -2,14 +2,16 @@
 
 use crate::report::picture::{caption, enlarged, psf_picture, sheet, stacked};
 use crate::report::plot::{Axis, Mark, Plot, SMALL, Series, USUAL, grid, sequential};
+use crate::tables::psi_words;
 use edof_core::camera::Camera;
 use edof_core::{Channel, ColourFrame, Tone};
 use edof_optics::bank;
 use edof_optics::distance_m;
 use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
-use edof_optics::{Footprint, Otf, green_cutoff_per_mm, has_one_response, otf, otfs, through_focus};
+use edof_optics::{
+    Footprint, Otf, green_cutoff_per_mm, has_one_response, otf, otfs, otfs_of_psf, through_focus,
+};
 use ndarray::Array2;
-use rayon::prelude::*;
 
 /// Points of a curve.
 pub const POINTS: u32 = 60;
@@ -23,6 +25,34 @@ const CELL: usize = 150;
 const GAP: usize = 4;
 /// Pixels of the sensor that the sheet's scale is long.
 const SCALE: usize = 5;
+
+/// What figures and numbers show of a camera at one ψ.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AtDepth {
+    /// The depth.
+    pub psi: f64,
+    /// PSFs of red, green and blue.
+    pub psfs: [Psf; 3],
+    /// OTFs of red, green and blue along a row of pixels and along a column; the lens alone.
+    pub otfs: [[Otf; 2]; 3],
+}
+
+impl AtDepth {
+    /// Computes the PSFs by `settings`, and the OTFs by the default ones.
+    ///
+    /// # Errors
+    /// [`NoPsf`].
+    pub fn new(camera: &Camera, psi: f64, settings: &Settings) -> Result<Self, NoPsf> {
+        let psfs = channel_psfs(camera, psi, settings)?;
+        let otfs = if has_one_response(camera) || *settings != Settings::default() {
+            let [red, green, blue] = Channel::ALL.map(|channel| otfs(camera, channel, psi, Footprint::Lens));
+            [red?, green?, blue?]
+        } else {
+            psfs.each_ref().map(|psf| otfs_of_psf(camera, psf, Footprint::Lens))
+        };
+        Ok(Self { psi, psfs, otfs })
+    }
+}
 
 /// The same lens, sensor and focus without the mask; computed, even if the camera has a PSF bank.
 #[must_use]
@@ -61,49 +91,44 @@ pub fn responses(camera: &Camera, psi: f64) -> Result<[Vec<f64>; 3], NoPsf> {
 
 /// Figure 1(a): green's response over spatial frequency, as a share of the cut-off, at each ψ; negative where contrast is
 /// reversed. The lens alone, without the pixel.
-///
-/// # Errors
-/// [`NoPsf`].
-pub fn mtf_plot(camera: &Camera, psis: &[f64]) -> Result<Plot, NoPsf> {
+#[must_use]
+pub fn mtf_plot(camera: &Camera, depths: &[AtDepth]) -> Plot {
     let title = format!("Response to spatial frequency, green: {}", camera.name);
-    let responses = psis.par_iter().map(|&psi| otf(camera, Channel::Green, psi, Footprint::Lens));
-    let responses = responses.collect::<Result<Vec<_>, _>>()?;
-    Ok(response_plot(camera, psis, responses.iter(), (title, USUAL)))
+    response_plot(camera, depths, |depth| &depth.otfs[Channel::Green.plane()][0], (title, USUAL))
 }
 
-/// Returns the responses of red, green and blue as one SVG: a row of diagrams without the mask and one with it, on the same scales. Where a lens
-/// is not round, or a bank states its PSFs, there is a row along rows of pixels and one along columns.
-///
-/// # Errors
-/// [`NoPsf`].
-pub fn mtf_figure(camera: &Camera, psis: &[f64]) -> Result<String, NoPsf> {
+/// Returns the responses of red, green and blue as one SVG: a row of diagrams without the mask (`clear`) and one with it, on the same scales. Where a
+/// lens is not round, or a bank states its PSFs, there is a row along rows of pixels and one along columns.
+#[must_use]
+pub fn mtf_figure(camera: (&Camera, &[AtDepth]), clear: (&Camera, &[AtDepth])) -> String {
     let mut plots = vec![];
-    if is_masked(camera) {
-        plots.extend(response_plots(&without_mask(camera), psis)?);
+    if is_masked(camera.0) {
+        plots.extend(response_plots(clear));
     }
-    plots.extend(response_plots(camera, psis)?);
+    plots.extend(response_plots(camera));
     let values = plots.iter().flat_map(|plot| &plot.series).flat_map(|series| &series.points);
     let lowest = values.map(|point| point[1]).fold(0.0, f64::min);
     plots.iter_mut().for_each(|plot| plot.y = plot.y.clone().from((10.0 * lowest).floor() / 10.0));
-    Ok(grid(&plots, CHANNELS.len()))
+    grid(&plots, CHANNELS.len())
 }
 
-fn response_plots(camera: &Camera, psis: &[f64]) -> Result<Vec<Plot>, NoPsf> {
+fn response_plots((camera, depths): (&Camera, &[AtDepth])) -> Vec<Plot> {
     let directions: &[&str] =
         if has_one_response(camera) { &[""] } else { &[" along rows", " along columns"] };
-    let of_channels = Channel::ALL.map(|channel| {
-        let of = |&psi: &f64| otfs(camera, channel, psi, Footprint::Lens);
-        psis.par_iter().map(of).collect::<Result<Vec<_>, _>>()
-    });
     let mut plots = vec![];
     for (direction, along) in directions.iter().enumerate() {
-        for (responses, (name, _)) in of_channels.iter().zip(CHANNELS) {
-            let own = responses.as_ref().map_err(Clone::clone)?.iter().map(|both| &both[direction]);
+        for (channel, (name, _)) in Channel::ALL.into_iter().zip(CHANNELS) {
             let title = format!("{}: {name}{along}", camera.name);
-            plots.push(response_plot(camera, psis, own, (title, SMALL)));
+            let own = response_plot(
+                camera,
+                depths,
+                |depth| &depth.otfs[channel.plane()][direction],
+                (title, SMALL),
+            );
+            plots.push(own);
         }
     }
-    Ok(plots)
+    plots
 }
 
 /// Whether the lens differs from [`without_mask`].
@@ -112,19 +137,20 @@ fn is_masked(camera: &Camera) -> bool {
 }
 
 /// One response for each ψ over frequency. A bank does not say what is beyond half a cycle a pixel: its lines end there.
-fn response_plot<'a>(
+fn response_plot(
     camera: &Camera,
-    psis: &[f64],
-    responses: impl Iterator<Item = &'a Otf>,
+    depths: &[AtDepth],
+    response: impl Fn(&AtDepth) -> &Otf,
     (title, size): (String, [f64; 2]),
 ) -> Plot {
     let cutoff = green_cutoff_per_mm(camera);
-    let last = psis.len().saturating_sub(1).max(1) as f64;
-    let series = psis.iter().zip(responses).enumerate().map(|(index, (&psi, response))| {
+    let last = depths.len().saturating_sub(1).max(1) as f64;
+    let series = depths.iter().enumerate().map(|(index, at)| {
+        let response = response(at);
         let shares = (0..=POINTS).map(|i| f64::from(i) / f64::from(POINTS));
         let known = shares.filter(|share| share * cutoff <= response.end_per_mm() + 1e-9);
         let points: Vec<_> = known.map(|share| [share, response.at(share * cutoff)]).collect();
-        Series::new(depth(camera, psi), Mark::Line, points).coloured(sequential(index as f64 / last))
+        Series::new(depth(camera, at.psi), Mark::Line, points).coloured(sequential(index as f64 / last))
     });
     Plot {
         title,
@@ -135,24 +161,24 @@ fn response_plot<'a>(
     }
 }
 
-/// Figure 1(b): contrast of red, green and blue at a quarter of green's cut-off through focus; dotted without the mask.
+/// Figure 1(b): contrast of red, green and blue at a quarter of green's cut-off through focus, as [`contrast`] gives it at [`curve_depths`]; dotted
+/// without the mask.
 ///
 /// # Errors
 /// [`NoPsf`].
-pub fn contrast_plot(camera: &Camera) -> Result<Plot, NoPsf> {
+pub fn contrast_plot(camera: &Camera, contrasts: &[[f64; 3]]) -> Result<Plot, NoPsf> {
     let [low, high] = depths(camera);
     let psis = curve_depths(camera);
-    let curves = |camera: &Camera, mark: Mark, note: &str| -> Result<Vec<Series>, NoPsf> {
-        let contrasts = contrast(camera, &psis)?;
+    let curves = |contrasts: &[[f64; 3]], mark: Mark, note: &str| -> Vec<Series> {
         let curve = |(channel, (name, colour)): (usize, (&str, &str))| {
-            let points = psis.iter().zip(&contrasts).map(|(&psi, c)| [psi, c[channel].abs()]);
+            let points = psis.iter().zip(contrasts).map(|(&psi, c)| [psi, c[channel].abs()]);
             Series::new(format!("{name}{note}"), mark, points).coloured(colour)
         };
-        Ok(CHANNELS.into_iter().enumerate().map(curve).collect())
+        CHANNELS.into_iter().enumerate().map(curve).collect()
     };
-    let mut series = curves(camera, Mark::Line, "")?;
+    let mut series = curves(contrasts, Mark::Line, "");
     if is_masked(camera) {
-        series.extend(curves(&without_mask(camera), Mark::Dotted, ", no mask")?);
+        series.extend(curves(&contrast(&without_mask(camera), &psis)?, Mark::Dotted, ", no mask"));
     }
     Ok(Plot {
         title: format!("Contrast at a quarter of the cut-off: {}", camera.name),
@@ -167,7 +193,7 @@ pub fn contrast_plot(camera: &Camera) -> Result<Plot, NoPsf> {
 fn depth(camera: &Camera, psi: f64) -> String {
     let metres =
         camera.nominal_m.and_then(|nominal| distance_m(camera, psi, nominal)).filter(|m| m.is_finite());
-    let psi = (100.0 * psi).round() / 100.0;
+    let psi = psi_words(psi);
     metres.map_or_else(|| format!("ψ = {psi}"), |metres| format!("ψ = {psi}, {metres:.2} m"))
 }
 
@@ -201,33 +227,31 @@ fn depths(camera: &Camera) -> [f64; 2] {
 
 /// PSFs of one camera a row, each ψ a column, and a scale; every channel scaled to its own peak, brightness raised to show faint
 /// rings. What lies farther out than anything that could be seen is cut off. To be shown as it is ([`Tone::Linear`]).
-///
-/// # Errors
-/// [`NoPsf`].
-pub fn psf_sheet(cameras: &[&Camera], psis: &[f64], settings: &Settings) -> Result<ColourFrame, NoPsf> {
-    let of = |camera: &Camera| psis.iter().map(|&psi| channel_psfs(camera, psi, settings)).collect();
-    let rows: Vec<Vec<[Psf; 3]>> = cameras.iter().map(|&camera| of(camera)).collect::<Result<_, NoPsf>>()?;
-    let reach = rows.iter().flatten().flatten().map(|psf| reach(psf.kernel())).max().unwrap_or(0);
+#[must_use]
+pub fn psf_sheet(cameras: &[(&Camera, &[AtDepth])]) -> ColourFrame {
+    let psfs = cameras.iter().flat_map(|(_, depths)| *depths).flat_map(|depth| &depth.psfs);
+    let reach = psfs.map(|psf| reach(psf.kernel())).max().unwrap_or(0);
     let side = (2 * reach + 1).clamp(SHOWN[0], SHOWN[1]);
     let factor = (CELL / side).max(2);
-    let width = GAP + psis.len() * (side * factor + GAP);
+    let columns = cameras.first().map_or(0, |(_, depths)| depths.len());
+    let width = GAP + columns * (side * factor + GAP);
     let mut parts = vec![];
-    for (camera, row) in cameras.iter().zip(&rows) {
-        let named = |(psfs, psi): (&[Psf; 3], &f64)| {
+    for (camera, depths) in cameras {
+        let named = |AtDepth { psi, psfs, .. }: &AtDepth| {
             let picture = enlarged(&psf_picture(psfs.each_ref().map(|p| p.kernel()), side), factor);
             stacked(&[picture, caption(&depth(camera, *psi), side * factor, Tone::Linear)], Tone::Linear)
         };
         parts.push(caption(&camera.name, width, Tone::Linear));
-        parts.push(sheet(&[row.iter().zip(psis).map(named).collect()], GAP));
+        parts.push(sheet(&[depths.iter().map(named).collect()], GAP));
     }
     let mut scale = ColourFrame::zeros(2 * GAP, GAP + SCALE * factor);
     scale.planes.fill(1.0);
     scale.planes.slice_mut(ndarray::s![.., GAP.., GAP..]).fill(0.0);
-    let pitch = cameras.first().map_or(0.0, |camera| camera.pixel_pitch_um);
+    let pitch = cameras.first().map_or(0.0, |(camera, _)| camera.pixel_pitch_um);
     let length = (SCALE as f64 * pitch * 100.0).round() / 100.0;
     parts.push(scale);
     parts.push(caption(&format!("{SCALE} pixels = {length} µm"), width, Tone::Linear));
-    Ok(stacked(&parts, Tone::Linear))
+    stacked(&parts, Tone::Linear)
 }
 
 /// How far from its middle, along rows or columns, a kernel can still be seen.
@@ -243,19 +267,29 @@ mod tests {
     use super::*;
     use edof_core::camera::{Kernels, PsfBank};
 
+    fn at_depths(camera: &Camera, psis: &[f64]) -> Vec<AtDepth> {
+        psis.iter().map(|&psi| AtDepth::new(camera, psi, &Settings::default()).unwrap()).collect()
+    }
+
+    fn through_focus_of(name: &str) -> Plot {
+        let camera = Camera::resolve(name).unwrap();
+        contrast_plot(&camera, &contrast(&camera, &curve_depths(&camera)).unwrap()).unwrap()
+    }
+
     #[test]
     fn contrast_is_shown_with_and_without_the_mask() {
-        let plot = contrast_plot(&Camera::resolve("ring-2018").unwrap()).unwrap();
+        let plot = through_focus_of("ring-2018");
         assert_eq!(plot.series.len(), 6);
         let peak = |series: &Series| series.points.iter().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap()[0];
         assert!(peak(&plot.series[2]) > 4.0, "blue focuses far with the mask");
         assert!(peak(&plot.series[5]) < 0.1, "and at zero without");
-        assert_eq!(contrast_plot(&Camera::resolve("clear").unwrap()).unwrap().series.len(), 3);
+        assert_eq!(through_focus_of("clear").series.len(), 3);
     }
 
     #[test]
     fn every_response_starts_at_one() {
-        let plot = mtf_plot(&Camera::resolve("clear").unwrap(), &[0.0, 5.0]).unwrap();
+        let camera = Camera::resolve("clear").unwrap();
+        let plot = mtf_plot(&camera, &at_depths(&camera, &[0.0, 5.0]));
         assert!(plot.series.iter().all(|s| s.points[0] == [0.0, 1.0]));
         assert!(plot.series[1].points.iter().any(|p| p[1] < 0.0), "reversed contrast at 5");
     }
@@ -285,7 +319,11 @@ mod tests {
     #[test]
     fn a_figure_has_a_diagram_for_each_colour_and_where_they_differ_for_rows_and_columns() {
         let ring = Camera::resolve("ring-outer").unwrap();
-        let figure = |camera: &Camera| mtf_figure(camera, &[0.0, 4.0]).unwrap();
+        let figure = |camera: &Camera| {
+            let clear = without_mask(camera);
+            let [own, open] = [camera, &clear].map(|camera| at_depths(camera, &[0.0, 4.0]));
+            mtf_figure((camera, &own), (&clear, &open))
+        };
         let round = figure(&ring);
         assert_eq!(
             titles(&round),
@@ -310,7 +348,7 @@ mod tests {
     #[test]
     fn a_response_ends_where_a_bank_knows_no_more() {
         let camera = banked();
-        let plots = response_plots(&camera, &[0.0]).unwrap();
+        let plots = response_plots((&camera, &at_depths(&camera, &[0.0])));
         let [along_rows, along_columns] =
             [1, 4].map(|plot: usize| *plots[plot].series[0].points.last().unwrap());
         let nyquist = 500.0 / camera.pixel_pitch_um / green_cutoff_per_mm(&camera);
@@ -338,7 +376,7 @@ mod tests {
         assert_eq!(depth(&camera, 8.0), "ψ = 8");
         let camera = Camera { nominal_m: Some(10.0), ..camera };
         assert_eq!(depth(&camera, 7.9999), "ψ = 8, 3.11 m");
-        assert_eq!(mtf_plot(&camera, &[8.0]).unwrap().series[0].label, "ψ = 8, 3.11 m");
+        assert_eq!(mtf_plot(&camera, &at_depths(&camera, &[8.0])).series[0].label, "ψ = 8, 3.11 m");
         let camera = Camera { nominal_m: Some(f64::INFINITY), ..camera };
         assert_eq!(depth(&camera, 0.0), "ψ = 0");
     }
@@ -346,27 +384,35 @@ mod tests {
     #[test]
     fn every_depth_has_a_colour_of_its_own_along_one_scale() {
         let psis: Vec<f64> = (0..=8).map(f64::from).collect();
-        let plot = mtf_plot(&Camera::resolve("clear").unwrap(), &psis).unwrap();
+        let camera = Camera::resolve("clear").unwrap();
+        let plot = mtf_plot(&camera, &at_depths(&camera, &psis));
         let colours: std::collections::BTreeSet<_> = plot.series.iter().map(|s| s.colour.clone()).collect();
         assert_eq!(colours.len(), 9);
-        assert!(mtf_plot(&Camera::resolve("clear").unwrap(), &[2.0]).unwrap().series[0].colour.is_some());
+        assert!(mtf_plot(&camera, &at_depths(&camera, &[2.0])).series[0].colour.is_some());
     }
 
     #[test]
     fn a_sheet_has_a_row_a_camera_and_a_column_a_depth_and_is_cut_to_what_is_seen() {
         let camera = Camera::resolve("clear").unwrap();
-        let settings = Settings::default();
-        let size = |cameras: &[&Camera], psis: &[f64]| psf_sheet(cameras, psis, &settings).unwrap().size();
-        let reach_at =
-            |psi| channel_psfs(&camera, psi, &settings).unwrap().map(|p| reach(p.kernel())).into_iter().max();
+        let size = |rows: usize, psis: &[f64]| {
+            let depths = at_depths(&camera, psis);
+            psf_sheet(&vec![(&camera, &depths[..]); rows]).size()
+        };
+        let reach_at = |psi| {
+            channel_psfs(&camera, psi, &Settings::default())
+                .unwrap()
+                .map(|p| reach(p.kernel()))
+                .into_iter()
+                .max()
+        };
         let cell = |psi| {
             let side = (2 * reach_at(psi).unwrap() + 1).clamp(SHOWN[0], SHOWN[1]);
             side * (CELL / side)
         };
-        assert_eq!(size(&[&camera], &[0.0]).1, cell(0.0) + 2 * GAP);
-        assert_eq!(size(&[&camera], &[0.0, 4.0, 8.0]).1, 3 * (cell(8.0) + GAP) + GAP);
+        assert_eq!(size(1, &[0.0]).1, cell(0.0) + 2 * GAP);
+        assert_eq!(size(1, &[0.0, 4.0, 8.0]).1, 3 * (cell(8.0) + GAP) + GAP);
         assert!(reach_at(8.0) > reach_at(0.0));
-        let (one, two) = (size(&[&camera], &[4.0]).0, size(&[&camera, &camera], &[4.0]).0);
+        let (one, two) = (size(1, &[4.0]).0, size(2, &[4.0]).0);
         assert!(two - one > cell(4.0), "{one} {two}");
     }
 

@@ -10,6 +10,7 @@ use crate::methods::method::{Family, Format, Method};
 use crate::methods::spec::{MethodSpec, Ready};
 use crate::metrics::BORDER;
 use crate::metrics::timing::{Range, Timed, timed};
+use crate::tables::psi_words;
 use crate::trial::{Measured, Trial, TrialError, sensor};
 use edof_core::camera::Camera;
 use edof_core::storage::digest::sha256;
@@ -219,7 +220,7 @@ impl Experiment for SingleDepth<'_> {
 
     fn describe(&self, cell: &Cell) -> String {
         let (method, photo) = (self.plan.methods[cell.method].method(), &self.photos[cell.photo].name);
-        format!("{method} on {photo} at psi {}", self.plan.psi[cell.psi])
+        format!("{method} on {photo} at psi {}", psi_words(self.plan.psi[cell.psi]))
     }
 }
 

@@ -15,7 +15,7 @@ use crate::report::{Report, Table};
 use crate::single_depth::Row;
 use crate::study_report::{StudyReport, StudyReportError};
 use crate::summary;
-use crate::tables::noise_words;
+use crate::tables::{noise_words, psi_words};
 use crate::trial::Measured;
 use crate::verdict::listed;
 use claims::all_claims;
@@ -278,7 +278,7 @@ impl Claims {
             Tone::Linear => "",
             Tone::Srgb => ", real light",
         };
-        format!("ψ = {}, {}{tone}", self.psi, noise_words(self.noise))
+        format!("ψ = {}, {}{tone}", psi_words(self.psi), noise_words(self.noise))
     }
 }
 

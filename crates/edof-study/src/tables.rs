@@ -123,9 +123,14 @@ impl Study {
             count(self.rows.iter().map(|r| &r.image).collect::<BTreeSet<_>>().len(), "photograph"),
             self.measure.peak,
             self.measure.border,
-            self.summary.methods.first().map_or(f64::NAN, |m| m.picture.farthest()[0]),
+            self.far(),
             choices(self.rows.iter().map(|r| r.image.as_str()))
         )
+    }
+
+    /// The farthest depth, in words.
+    fn far(&self) -> String {
+        psi_words(self.summary.methods.first().map_or(f64::NAN, |m| m.picture.farthest()[0]))
     }
 
     /// Title and table of the picture, of the light where that differs, and of what networks cost.
@@ -174,8 +179,7 @@ impl Study {
             };
             std::iter::once(format!("{first} minus {second}")).chain(noises.iter().map(cell)).collect()
         };
-        let far = self.summary.methods.first().map_or(f64::NAN, |m| m.picture.farthest()[0]);
-        let header = std::iter::once(format!("ψ = {far} / average over ψ"));
+        let header = std::iter::once(format!("ψ = {} / average over ψ", self.far()));
         Table {
             header: header.chain(noises.iter().copied().map(noise_words)).collect(),
             rows: pairs.into_iter().map(row).collect(),
@@ -209,7 +213,8 @@ impl Study {
             let row = |image: &&String| {
                 std::iter::once((*image).clone()).chain(shown().map(|subject| cell(image, subject))).collect()
             };
-            let title = format!("{}: PSNR in dB at ψ = {far} / average over ψ", noise_words(noise));
+            let title =
+                format!("{}: PSNR in dB at ψ = {} / average over ψ", noise_words(noise), psi_words(far));
             (title, Table { header, rows: images.iter().map(row).collect() })
         };
         self.summary.noises().into_iter().map(table).collect()
@@ -218,7 +223,7 @@ impl Study {
     /// Parts of every photograph at the farthest depth, under the first noise level.
     fn add_crops(&self, report: &mut Report) {
         let Some(&noise) = self.summary.noises().first() else { return };
-        let far = self.summary.methods.first().map_or(f64::NAN, |m| m.picture.farthest()[0]);
+        let far = self.far();
         let images: BTreeSet<&String> = self.crops.iter().map(|crop| &crop.image).collect();
         for image in images {
             let mut has_photograph = false;
@@ -396,6 +401,12 @@ fn work_cells(work: &Work) -> [String; 4] {
         number(work.dense_multiplications_a_pixel),
         number(work.executed_multiplications_a_pixel),
     ]
+}
+
+/// What tables call a depth: ψ with two decimals at most.
+pub(crate) fn psi_words(psi: f64) -> String {
+    // Adding 0 leaves no −0.
+    ((100.0 * psi).round() / 100.0 + 0.0).to_string()
 }
 
 /// What tables call a noise.

@@ -12,6 +12,7 @@
 //! | step | [`adam`] | new weights |
 //! | | [`structure`] | what weights keep to, so that a circuit could multiply less |
 //! | lens | [`joint`] | a lens that moves along its network's gradient |
+//! | before | [`length`] | what a short run loses |
 //! | run | [`recipe`], [`train`], [`threads`] | schedule, [`validation`], checkpoints ([`checkpoint`]), resume |
 
 #![cfg_attr(not(test), warn(unused_crate_dependencies))]
@@ -25,6 +26,7 @@ mod encoding;
 pub mod holdout;
 pub mod initial;
 pub mod joint;
+pub mod length;
 pub mod noise;
 pub mod precondition;
 pub mod recipe;

@@ -17,6 +17,10 @@ use serde::{Deserialize, Serialize};
 /// how many threads there are.
 pub const SHARES: usize = 8;
 
+/// Steps of the recipe, and windows of each step.
+pub(crate) const STEPS: u64 = 40_000;
+pub(crate) const BATCH: usize = 512;
+
 /// Everything that decides a training run, besides photographs and camera.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Recipe {
@@ -86,8 +90,8 @@ impl Recipe {
             // No looks but the photograph's own; these are what --variants draws.
             augmentation: Augmentation { variants: 1, saturation: [0.8, 1.8], hue: 20.0, scale: 0.6 },
             weighting: Weighting::Root,
-            batch: 512,
-            steps: 40_000,
+            batch: BATCH,
+            steps: STEPS,
             rate: form.shrinkage.training().rate,
             output_rate: 0.2,
             threshold_rate: 0.15,

@@ -331,6 +331,13 @@ impl<'a> Trainer<'a> {
         unflatten(self.recipe.form, &self.state.best_weights, origin)
     }
 
+    /// Validates the weights now, and keeps them if they are the best: for a run that is ended between two validations.
+    pub fn validate_last(&mut self) -> Validation {
+        let validation = self.validate();
+        self.keep_best(&validation);
+        validation
+    }
+
     fn keep_best(&mut self, validation: &Validation) {
         let db = validation.db();
         let mut found = Best { score: db, db, within_budget: true };

@@ -13,17 +13,19 @@ use crate::psf_bank::{self, BankOptions};
 use crate::said;
 use crate::ui::Ui;
 use edof::job::Npz;
+use edof_core::Tone;
 use edof_core::camera::{Camera, Term, centroid};
 use edof_core::words::number;
-use edof_core::{Channel, Tone};
 use edof_optics::Statistics;
 use edof_optics::bank;
 use edof_optics::design::{self, Found, Search};
 use edof_optics::distance_m;
 use edof_optics::estimator::{Task, Verdict, judge};
-use edof_optics::psf::{NoPsf, Psf, Settings, channel_psfs};
-use edof_optics::{Footprint, green_cutoff_per_mm, otf, sampled_otf, through_focus};
-use edof_study::lens::{contrast_plot, mtf_figure, mtf_plot, psf_sheet, without_mask};
+use edof_optics::psf::{Psf, Settings};
+use edof_optics::{green_cutoff_per_mm, sampled_otf};
+use edof_study::lens::{
+    AtDepth, contrast, contrast_plot, curve_depths, mtf_figure, mtf_plot, psf_sheet, without_mask,
+};
 use edof_study::report::picture::png;
 use edof_study::report::plot::side_by_side;
 use ndarray::{Array1, Array2, Array3, Array4, aview1};
@@ -45,7 +47,7 @@ pub struct Args {
     #[command(subcommand)]
     task: Option<Subtask>,
 
-    /// Camera: a preset (clear, clear-mid, ring-2015, ring-2018, ring-depth-2018, ring-outer) or a JSON file
+    /// Camera: a preset (clear, clear-mid, clear-closed, ring-2015, ring-2018, ring-depth-2018, ring-outer) or a JSON file
     #[arg(default_value = "ring-outer", value_name = "CAMERA")]
     camera: String,
 
@@ -56,7 +58,7 @@ pub struct Args {
     #[arg(long, value_name = "DIR", default_value = "out/optics")]
     out: PathBuf,
 
-    /// Depths: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end), or distances as in 1.5m if the camera states nominal_m [default: nine over the camera's range, or those of the PSF bank]
+    /// Depths: ψ, the defocus in radians (presets: 0 at the far end, 8 at the near end of an open lens), or distances as in 1.5m if the camera states nominal_m [default: nine over the camera's range, or those of the PSF bank]
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "PSI,…")]
     psi: Vec<Depth>,
 
@@ -208,25 +210,16 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let (settings, psis) = (args.settings()?, args.depths(&camera)?);
     let files = FILES.map(|name| args.out.join(name));
     let clear = without_mask(&camera);
-    let figure1 = side_by_side(&[mtf_plot(&clear, &psis)?, contrast_plot(&camera)?]);
-    let mtf = mtf_figure(&camera, &psis)?;
-    let progress = ui.progress(psis.len() as u64, "depths");
-    let psfs = psis.iter().enumerate().map(|(done, &psi)| {
-        interrupt::check()?;
-        let psfs = channel_psfs(&camera, psi, &settings)?;
-        progress.set(done as u64 + 1);
-        Ok(psfs)
-    });
-    let psfs = psfs.collect::<Result<Vec<_>, Error>>()?;
-    drop(progress);
-    let sheet = png(&psf_sheet(&[&camera, &clear], &psis, &settings)?, Tone::Linear)?;
-    let depths = psis.iter().zip(&psfs).map(|(&psi, psfs)| shown(&camera, psi, psfs));
-    let depths = depths.collect::<Result<Vec<_>, _>>()?;
+    let Computed { own, open, contrasts } = compute((&camera, &clear), &psis, &settings, ui)?;
+    let figure1 = side_by_side(&[mtf_plot(&clear, &open), contrast_plot(&camera, &contrasts)?]);
+    let mtf = mtf_figure((&camera, &own), (&clear, &open));
+    let sheet = png(&psf_sheet(&[(&camera, &own), (&clear, &open)]), Tone::Linear)?;
+    let depths: Vec<ShownDepth> = own.iter().map(|depth| shown(&camera, depth)).collect();
     edof_core::storage::atomic::write(&files[0], figure1.as_bytes())?;
     edof_core::storage::atomic::write(&files[1], mtf.as_bytes())?;
     edof_core::storage::atomic::write(&files[2], &sheet)?;
-    psf_numbers(&camera, &psis, &psfs)?.save(&files[3])?;
-    mtf_numbers(&camera, &psis, &psfs)?.save(&files[4])?;
+    psf_numbers(&camera, &own)?.save(&files[3])?;
+    mtf_numbers(&camera, &own)?.save(&files[4])?;
     ui.say(format!(
         "{}: F/{:.2}, figures in {}; of red, green and blue:",
         camera.name,
@@ -243,6 +236,42 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     }
     psf_bank::list(&camera, ui)?;
     ui.json(&Shown { camera: camera.name, depths, files: files.map(|file| file.display().to_string()) })
+}
+
+/// Everything that takes time.
+struct Computed {
+    /// The camera at each depth, and the same without its mask.
+    own: Vec<AtDepth>,
+    open: Vec<AtDepth>,
+    /// Contrast at [`curve_depths`].
+    contrasts: Vec<[f64; 3]>,
+}
+
+/// Depths of the contrast that are computed at once.
+const AT_ONCE: usize = 4;
+
+fn compute(
+    (camera, clear): (&Camera, &Camera),
+    psis: &[f64],
+    settings: &Settings,
+    ui: &Ui,
+) -> Result<Computed, Error> {
+    let curve = curve_depths(camera);
+    let progress = ui.progress((psis.len() + curve.len()) as u64, "depths");
+    progress.set(0);
+    let (mut own, mut open, mut contrasts) = (vec![], vec![], vec![]);
+    for psi in psis {
+        interrupt::check()?;
+        own.push(AtDepth::new(camera, *psi, settings)?);
+        open.push(AtDepth::new(clear, *psi, settings)?);
+        progress.set(own.len() as u64);
+    }
+    for some in curve.chunks(AT_ONCE) {
+        interrupt::check()?;
+        contrasts.extend(contrast(camera, some)?);
+        progress.set((own.len() + contrasts.len()) as u64);
+    }
+    Ok(Computed { own, open, contrasts })
 }
 
 impl Args {
@@ -280,9 +309,9 @@ fn nine_depths([low, high]: [f64; 2]) -> Vec<f64> {
     (0..=8).map(|i| low + (high - low) * f64::from(i) / 8.0).collect()
 }
 
-fn shown(camera: &Camera, psi: f64, psfs: &[Psf; 3]) -> Result<ShownDepth, NoPsf> {
-    let contrast = through_focus(camera, green_cutoff_per_mm(camera) / 4.0, &[psi], Footprint::Lens)?;
-    Ok(ShownDepth {
+fn shown(camera: &Camera, AtDepth { psi, psfs, otfs }: &AtDepth) -> ShownDepth {
+    let psi = *psi;
+    ShownDepth {
         psi,
         distance_m: camera
             .nominal_m
@@ -292,33 +321,35 @@ fn shown(camera: &Camera, psi: f64, psfs: &[Psf; 3]) -> Result<ShownDepth, NoPsf
         energy_kept: psfs.each_ref().map(|p| p.energy_kept),
         energy_beyond: psfs.each_ref().map(|p| p.energy_beyond),
         centroid: psfs.each_ref().map(|p| centroid(p.kernel().view())),
-        contrast_quarter_cutoff: contrast[0],
-    })
+        contrast_quarter_cutoff: otfs
+            .each_ref()
+            .map(|[along_row, _]| along_row.at(green_cutoff_per_mm(camera) / 4.0)),
+    }
 }
 
 /// The kernels as a PSF bank (`edof_core::camera::PsfBank`).
-fn psf_numbers(camera: &Camera, psis: &[f64], psfs: &[[Psf; 3]]) -> Result<Npz, Error> {
-    let kernels: Vec<[&Array2<f32>; 3]> = psfs.iter().map(|p| p.each_ref().map(|psf| psf.kernel())).collect();
+fn psf_numbers(camera: &Camera, depths: &[AtDepth]) -> Result<Npz, Error> {
+    let kernels = depths.iter().map(|depth| depth.psfs.each_ref().map(|psf| psf.kernel()));
+    let kernels: Vec<[&Array2<f32>; 3]> = kernels.collect();
     let mut npz = Npz::new();
-    npz.add("psi", &aview1(psis))?;
+    npz.add("psi", &psis(depths))?;
     npz.add("psf", &bank::stacked(&kernels))?;
     npz.add("pixel_pitch_um", &aview1(&[camera.pixel_pitch_um]))?;
     Ok(npz)
 }
 
 /// What the figures draw, and the transform of what the pixels sample.
-fn mtf_numbers(camera: &Camera, psis: &[f64], psfs: &[[Psf; 3]]) -> Result<Npz, Error> {
+fn mtf_numbers(camera: &Camera, depths: &[AtDepth]) -> Result<Npz, Error> {
     let share = |index: usize| index as f64 / (FREQUENCIES - 1) as f64;
     let per_mm: Array1<f64> = (0..FREQUENCIES).map(|i| share(i) * green_cutoff_per_mm(camera)).collect();
-    let mut lens = Array3::<f64>::zeros((psis.len(), 3, FREQUENCIES));
-    let mut sensor = [(); 2].map(|()| Array4::<f64>::zeros((psis.len(), 3, 2, FREQUENCIES)));
-    for (depth, (&psi, psfs)) in psis.iter().zip(psfs).enumerate() {
-        for channel in Channel::ALL {
-            let plane = channel.plane();
-            let response = otf(camera, channel, psi, Footprint::Lens)?;
-            for (index, frequency) in per_mm.iter().enumerate() {
-                lens[(depth, plane, index)] = response.at(*frequency);
-                for (axis, value) in sampled_otf(&psfs[plane], 0.5 * share(index)).into_iter().enumerate() {
+    let per_pixel: Vec<f64> = (0..FREQUENCIES).map(|i| 0.5 * share(i)).collect();
+    let mut lens = Array3::<f64>::zeros((depths.len(), 3, FREQUENCIES));
+    let mut sensor = [(); 2].map(|()| Array4::<f64>::zeros((depths.len(), 3, 2, FREQUENCIES)));
+    for (depth, AtDepth { psfs, otfs, .. }) in depths.iter().enumerate() {
+        for (plane, (psf, [along_row, _])) in psfs.iter().zip(otfs).enumerate() {
+            for (index, both) in sampled_otf(psf, &per_pixel).into_iter().enumerate() {
+                lens[(depth, plane, index)] = along_row.at(per_mm[index]);
+                for (axis, value) in both.into_iter().enumerate() {
                     sensor[0][(depth, plane, axis, index)] = value.re;
                     sensor[1][(depth, plane, axis, index)] = value.im;
                 }
@@ -327,14 +358,18 @@ fn mtf_numbers(camera: &Camera, psis: &[f64], psfs: &[[Psf; 3]]) -> Result<Npz, 
     }
     let [real, imaginary] = sensor;
     let mut npz = Npz::new();
-    npz.add("psi", &aview1(psis))?;
+    npz.add("psi", &psis(depths))?;
     npz.add("lens_cycles_per_mm", &per_mm)?;
     npz.add("lens_otf", &lens)?;
-    npz.add("sensor_cycles_per_pixel", &(0..FREQUENCIES).map(|i| 0.5 * share(i)).collect::<Array1<f64>>())?;
+    npz.add("sensor_cycles_per_pixel", &Array1::from(per_pixel))?;
     npz.add("sensor_mtf", &ndarray::Zip::from(&real).and(&imaginary).map_collect(|re, im| re.hypot(*im)))?;
     npz.add("sensor_otf_real", &real)?;
     npz.add("sensor_otf_imaginary", &imaginary)?;
     Ok(npz)
+}
+
+fn psis(depths: &[AtDepth]) -> Array1<f64> {
+    depths.iter().map(|depth| depth.psi).collect()
 }
 
 #[derive(Serialize)]

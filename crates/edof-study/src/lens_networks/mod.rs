@@ -15,6 +15,7 @@ use crate::experiment::Experiment;
 use crate::journal::{Key, Line, Ordered, Proof, settings};
 use crate::methods::spec::Case;
 use crate::metrics::BORDER;
+use crate::tables::psi_words;
 use crate::trial::{Trial, TrialError, sensor};
 use edof_core::camera::Camera;
 use edof_core::noise::{Noise, SensorNoise};
@@ -226,7 +227,12 @@ impl Experiment for Photographing<'_> {
 
     fn describe(&self, cell: &Cell) -> String {
         let own = &self.plan.peers[cell.peer];
-        format!("{} at psi {}: {}", own.name, own.psis[cell.psi].open, self.photos[cell.photo].name)
+        format!(
+            "{} at psi {}: {}",
+            own.name,
+            psi_words(own.psis[cell.psi].open),
+            self.photos[cell.photo].name
+        )
     }
 }
 

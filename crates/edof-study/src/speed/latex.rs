@@ -3,6 +3,7 @@
 use super::{Claims, Point, Speed};
 use crate::latex::{DASH, cell, escaped, noise_in_latex, tabular};
 use crate::made::Made;
+use crate::tables::psi_words;
 use edof_core::Tone;
 
 impl Speed {
@@ -32,7 +33,7 @@ impl Speed {
         });
         let groups = self.claims.iter().map(|Claims { psi, noise, tone, .. }| {
             let tone = if *tone == Tone::Srgb { ", real light" } else { "" };
-            format!("$\\psi = {psi}$, {}{tone}", noise_in_latex(*noise))
+            format!("$\\psi = {}$, {}{tone}", psi_words(*psi), noise_in_latex(*noise))
         });
         let starred = self.has_cpu_seconds() && self.points.iter().any(Point::is_wall_clock);
         let remarks = format!(

@@ -120,6 +120,14 @@ fn a_paper_has_the_standard_errors_and_the_times_of_each_method() {
 }
 
 #[test]
+fn a_depth_in_a_latex_head_has_two_decimals_at_most() {
+    let mut row = timed(&Method::demosaic(), "a", 29.0, 0.014);
+    row.measured.psi = 7.123_456_789;
+    let latex = Speed::new(&[row], "m".into()).unwrap().to_latex(&Made::by("edof study single-depth"));
+    assert!(latex.contains("{$\\psi = 7.12$, no noise, real light}"), "{latex}");
+}
+
+#[test]
 fn a_time_that_is_no_cpu_time_is_marked_in_a_paper_that_has_both() {
     let row = timed(&Method::demosaic(), "a", 29.0, 0.5);
     let omp = timed(&Method::of_patches(Family::Omp, 8), "a", 31.0, 6.0);

@@ -4,7 +4,7 @@ use super::{MethodSummary, Study, by_photo};
 use crate::methods::method::{Family, Format, Method};
 use crate::metrics::paired::Paired;
 use crate::pictures::capitalised;
-use crate::tables::noise_words;
+use crate::tables::{noise_words, psi_words};
 use crate::verdict::{compared, is_ahead};
 use edof_core::camera::{Camera, PRESETS};
 use edof_core::{Noise, Tone};
@@ -59,10 +59,11 @@ impl Study {
         let (average, farthest) = (at(None)?, at(Some(far))?);
         let joint = if is_ahead(&average) == is_ahead(&farthest) { "and" } else { "but" };
         Some(format!(
-            "{}: it is {} on average over ψ, {joint} {} at ψ = {far}.",
+            "{}: it is {} on average over ψ, {joint} {} at ψ = {}.",
             condition(noise),
             compared(&average),
-            compared(&farthest)
+            compared(&farthest),
+            psi_words(far)
         ))
     }
 }

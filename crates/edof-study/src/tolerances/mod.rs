@@ -13,6 +13,7 @@ use crate::experiment::Experiment;
 use crate::journal::{Key, Line, Ordered, Proof, settings};
 use crate::methods::spec::{Case, MethodSpec};
 use crate::metrics::BORDER;
+use crate::tables::psi_words;
 use crate::trial::{Trial, TrialError, sensor};
 use edof_core::camera::Camera;
 use edof_core::storage::digest::sha256;
@@ -217,7 +218,13 @@ impl Experiment for Tolerating<'_> {
 
     fn describe(&self, cell: &Cell) -> String {
         let ((kind, amount), psi) = (self.errors[cell.error], self.plan.psi[cell.psi]);
-        format!("{} {amount:+} {}, psi {psi}: {}", kind.name(), kind.unit(), self.photos[cell.photo].name)
+        format!(
+            "{} {amount:+} {}, psi {}: {}",
+            kind.name(),
+            kind.unit(),
+            psi_words(psi),
+            self.photos[cell.photo].name
+        )
     }
 }
 

@@ -6,7 +6,7 @@ use crate::metrics::paired::Paired;
 use crate::report::plot::{Axis, Mark, PALETTE, Plot, SMALL, Series};
 use crate::report::{Report, Table};
 use crate::study_report::{StudyReport, StudyReportError};
-use crate::tables::noise_words;
+use crate::tables::{noise_words, psi_words};
 use edof_core::Noise;
 use edof_core::words::count;
 use edof_io::photos::choices;
@@ -130,7 +130,7 @@ impl StudyReport for Tolerances {
 
 impl Tolerances {
     fn explanation(&self) -> String {
-        let psis: Vec<String> = self.psis.iter().map(f64::to_string).collect();
+        let psis: Vec<String> = self.psis.iter().copied().map(psi_words).collect();
         format!(
             "Camera {}, network {}, which knows the camera without its errors. {} at ψ = {}; each error alone, either way. A loss is in dB of RGB PSNR against \
              the camera without errors, of the same photographs, depths and noise, averaged over depths, with the standard error of the mean over photographs. \

@@ -2,6 +2,7 @@
 
 mod blurs;
 mod checkpoints;
+mod length;
 mod options;
 pub mod photographs;
 mod progress;
@@ -79,6 +80,9 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
     photos.iter().for_each(|photo| ui.used(photo.clone()));
     psf_bank::list(&camera, ui)?;
     let dataset = blurs::dataset(&photographs, &camera, recipe.dataset(&psis), &photos, !args.no_cache, ui)?;
+    if from.is_none() && !args.resume {
+        length::short(recipe).into_iter().for_each(|line| ui.note(line));
+    }
     let mut results = Vec::new();
     for (recipe, file) in &seeds {
         let run = Run {
@@ -95,7 +99,9 @@ pub fn run(args: &Args, ui: &Ui) -> Result<(), Error> {
         .iter_mut()
         .fold(first, |best, other| if other.best().score > best.best().score { other } else { best });
     let recipe = chosen.trainer.recipe();
-    let command = recipe::command(args, recipe);
+    let state = &chosen.trainer.state;
+    let is_cut = state.step < recipe.steps && state.stale < recipe.patience;
+    let command = recipe::command(args, recipe, is_cut);
     let made = Provenance { command, seed: Some(recipe.seed), ..ui.provenance().for_file() };
     let network = chosen.trainer.best(&args.name(), &camera, made);
     weight_file::save_network(&args.out, &network)?;

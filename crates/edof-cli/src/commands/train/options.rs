@@ -125,7 +125,7 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     pub(super) steps: Option<u64>,
 
-    /// Stop after N minutes, at any step of the schedule
+    /// Stop after N minutes, at any step of the schedule; a shorter schedule (--steps) that takes as long gives a better network
     #[arg(long, value_parser = minutes, value_name = "N")]
     pub(super) minutes: Option<Duration>,
 

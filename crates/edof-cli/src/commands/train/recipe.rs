@@ -180,8 +180,8 @@ pub fn default_of(option: &str) -> Option<String> {
 }
 
 /// The command that makes this network, with everything that its bytes depend on and nothing else, so that a resumed run
-/// writes the same bytes as an unbroken one.
-pub(super) fn command(args: &Args, r: &Recipe) -> String {
+/// writes the same bytes as an unbroken one. A run that `--minutes` ended states it: no command makes its bytes again.
+pub(super) fn command(args: &Args, r: &Recipe, is_cut: bool) -> String {
     let mut line = CommandLine::new("edof train");
     line.option("form", form::words(&r.form)).option("camera", &args.camera);
     line.option_if(
@@ -224,6 +224,7 @@ pub(super) fn command(args: &Args, r: &Recipe) -> String {
         "non-zeros",
     ]);
     of_recipe(if r.budget.is_some() { &["budget-rate"] } else { &[] });
+    line.option_if("minutes", args.minutes.filter(|_| is_cut).map(|limit| limit.as_secs_f64() / 60.0));
     match &args.from {
         Some(from) => line.option("from", Path::new(from).file_name().unwrap_or_default().display()),
         None => line.option_if("start", stated("start", r)),

@@ -1,5 +1,6 @@
 //! One seed of `edof train`: begun or resumed, with a checkpoint every minute.
 
+use super::length;
 use super::options::Args;
 use super::progress::{moment, summary};
 use crate::error::Error;
@@ -17,6 +18,8 @@ use std::time::{Duration, Instant};
 
 /// A checkpoint comes this often.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(60);
+/// The speed is known after this.
+const SPEED_AFTER: Duration = Duration::from_secs(2);
 
 /// A trained network that has not been written yet.
 pub(super) struct Trained<'a> {
@@ -70,18 +73,29 @@ fn train(
     history: &mut Vec<Value>,
     ui: &Ui,
 ) -> Result<(), Error> {
-    let bar = ui.progress(trainer.recipe().steps, format!("train, seed {}", trainer.recipe().seed));
     let limit = args.minutes;
-    let (start, mut saved) = (Instant::now(), Instant::now());
-    let mut failed = None;
+    let what = format!("train, seed {}", trainer.recipe().seed);
+    let bar = ui.progress_within(limit, trainer.recipe().steps, what);
+    let (start, first, mut saved) = (Instant::now(), trainer.state.step, Instant::now());
+    let mut forecast = limit.filter(|_| run.from.is_none());
+    let (mut failed, mut unvalidated) = (None, None);
     trainer.run(|trainer, progress: &Progress| {
         bar.set(progress.step);
         if let Some(validation) = &progress.validation {
             bar.message(summary(validation, progress.best));
             history.push(moment(trainer, validation, progress));
         }
+        if let Some(limit) = forecast
+            && start.elapsed() >= SPEED_AFTER.min(limit)
+        {
+            forecast = None;
+            let speed = (progress.step - first) as f64 / start.elapsed().as_secs_f64();
+            let end = first + (speed * limit.as_secs_f64()) as u64;
+            length::cut(trainer.recipe(), limit, end).into_iter().for_each(|line| ui.note(line));
+        }
         let stop = interrupt::flag().load(Ordering::SeqCst);
         let out_of_time = limit.is_some_and(|limit| start.elapsed() >= limit);
+        unvalidated = (out_of_time && progress.validation.is_none()).then(|| progress.clone());
         if stop || out_of_time || saved.elapsed() >= CHECKPOINT_EVERY {
             saved = Instant::now();
             failed = save(file, run, &trainer.state).err();
@@ -96,8 +110,9 @@ fn train(
         return Err(error);
     }
     interrupt::check()?;
-    if trainer.state.best == Best::NONE {
-        return Err(Error::message("train: stopped before the first validation; lower --validate-every"));
+    if let Some(progress) = unvalidated {
+        let validation = trainer.validate_last();
+        history.push(moment(trainer, &validation, &progress));
     }
     Ok(())
 }

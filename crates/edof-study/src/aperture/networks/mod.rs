@@ -14,6 +14,7 @@ use crate::experiment::Experiment;
 use crate::journal::{Key, Line, Ordered, Proof, settings};
 use crate::methods::spec::Case;
 use crate::metrics::BORDER;
+use crate::tables::psi_words;
 use crate::trial::{Trial, TrialError, sensor};
 use edof_core::noise::{Noise, SensorNoise};
 use edof_core::storage::digest::sha256;
@@ -249,7 +250,12 @@ impl Experiment for Photographing<'_> {
 
     fn describe(&self, cell: &Cell) -> String {
         let own = &self.plan.peers[cell.peer];
-        format!("{} at psi {}: {}", own.camera.name, own.depths()[cell.psi].0, self.photos[cell.photo].name)
+        format!(
+            "{} at psi {}: {}",
+            own.camera.name,
+            psi_words(own.depths()[cell.psi].0),
+            self.photos[cell.photo].name
+        )
     }
 }
 
