@@ -134,7 +134,7 @@ photographs_of() {
 # The clear lens closed by half a stop sees what the lenses of `srgb` see for the same time: depths and gains are those behind its aperture.
 # shellcheck disable=SC2046
 closed() {
-    "$edof" study kodak --tone srgb --nets "$(by_gain closed)" --psi 0,1.4142,2.8284,4.2426,5.6569 --noise none,sensor:gain=1.4142,sensor:gain=11.314 \
+    "$edof" study kodak --tone srgb --nets edof-t4w12-closed-light-low+edof-t4w12-closed-light-high --psi 0,1.4142,2.8284,4.2426,5.6569 --noise none,sensor:gain=1.4142,sensor:gain=11.314 \
         --stride 8 $(rows closed) $(pages closed)
     table closed
 }
