@@ -67,9 +67,9 @@ fn a_stated_gain_chooses_the_network_where_no_record_states_the_noise() {
     place
         .edof(&format!("{line} --gain 4"))
         .refused(&["--gain 4: raw.png.json says sensor:full-well=6000:gain=4"]);
-    let run = place.edof(&format!("{line} --gain 4 --force")).done();
+    let run = place.edof(&format!("{line} --gain 3 --force")).done();
     assert!(
-        run.err.contains("--gain 4: taken, though raw.png.json says") && run.out.contains("-low.fixed"),
+        run.err.contains("--gain 3: taken, though raw.png.json says") && run.out.contains("-low.fixed"),
         "{}",
         run.out
     );
