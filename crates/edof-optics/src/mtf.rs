@@ -1,7 +1,7 @@
 //! How contrast falls with spatial frequency and with depth (the two parts of the paper's Figure 1).
 
 use crate::psf::support::otf_support;
-use crate::psf::{self, NoPsf, Psf, Settings, otf_along_row, wavelengths};
+use crate::psf::{self, NoPsf, Psf, Settings, otf_along_row, wavefront, wavelengths};
 use edof_core::Channel;
 use edof_core::camera::{Camera, Spectrum, Symmetry};
 use edof_numerics::fft::Complex64;
@@ -59,15 +59,15 @@ pub fn otf(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) ->
     otfs(camera, channel, psi, footprint).map(|[along_row, _]| along_row)
 }
 
-/// Returns the OTF of a channel along a row of pixels and along a column, for an object at `psi`. Of a bank or a lens that is not round it is taken from the PSF: the
-/// magnitude, where that is not even, and it ends where pixels see no farther, at half a cycle a pixel; the lens alone is then what the pixel's footprint leaves when it
-/// is divided out, with all that pixels fold over.
+/// Returns the OTF of a channel along a row of pixels and along a column, for an object at `psi`: the magnitude, where it is not real. Of a bank it is taken from the
+/// PSF and ends where pixels see no farther, at half a cycle a pixel; the lens alone is then what the pixel's footprint leaves when it is divided out, with
+/// all that pixels fold over.
 ///
 /// # Errors
 /// [`NoPsf`].
 pub fn otfs(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) -> Result<[Otf; 2], NoPsf> {
     psf::check(camera, psi)?;
-    if !has_one_response(camera) {
+    if camera.psf_bank.is_some() {
         let psf = psf::psf(camera, channel, psi, &Settings::default())?;
         return Ok(otfs_of_psf(camera, &psf, footprint));
     }
@@ -76,22 +76,52 @@ pub fn otfs(camera: &Camera, channel: Channel, psi: f64, footprint: Footprint) -
         Spectrum::Line(nm) => vec![*nm],
         Spectrum::Sampled(_) => wavelengths(spectrum, WAVELENGTHS),
     };
+    if !has_one_response(camera) {
+        return Ok(otfs_of_wavefront(camera, &lines, psi, footprint));
+    }
     let support = otf_support(camera, psi);
     let otfs: Vec<_> = lines.iter().map(|&nm| otf_along_row(camera, nm, psi, support)).collect();
     let length = otfs.iter().map(Array1::len).max().unwrap_or(0);
     let mean = |q: usize| otfs.iter().filter_map(|o| o.get(q)).sum::<f64>() / otfs.len() as f64;
-    let pixel = |q: usize| match footprint {
-        Footprint::Lens => 1.0,
-        Footprint::LensAndPixel => sinc(q as f64 / support as f64),
-    };
     let along_row = Otf {
         step_per_mm: step_per_mm(camera, support),
-        values: (0..length).map(|q| mean(q) * pixel(q)).collect(),
+        values: (0..length).map(|q| mean(q) * of_pixel(footprint, q, support)).collect(),
     };
     Ok([along_row.clone(), along_row])
 }
 
-/// Returns the OTF along a row of pixels and along a column of a PSF that is known, as [`otfs`] does where it computes one.
+/// The OTFs of a pupil that is not round, with equal shares of light at some wavelengths.
+fn otfs_of_wavefront(camera: &Camera, lines: &[f64], psi: f64, footprint: Footprint) -> [Otf; 2] {
+    let wanted = otf_support(camera, psi);
+    let supports = lines.iter().map(|&nm| wavefront::support(camera, nm, psi, wanted).0);
+    let support = supports.max().unwrap_or(wanted);
+    let each: Vec<[Vec<Complex64>; 2]> =
+        lines.iter().map(|&nm| wavefront::otf_along_axes(camera, nm, psi, support)).collect();
+    [0, 1].map(|axis| {
+        let length = each.iter().map(|both| both[axis].len()).max().unwrap_or(0);
+        let mean = |q: usize| {
+            each.iter().filter_map(|both| both[axis].get(q)).sum::<Complex64>() / each.len() as f64
+        };
+        let response: Vec<Complex64> = (0..length).map(mean).collect();
+        let is_real = response.iter().all(|v| v.im.abs() < 1e-9);
+        let contrast = |v: &Complex64| if is_real { v.re } else { v.norm() };
+        let value = |(q, v): (usize, &Complex64)| contrast(v) * of_pixel(footprint, q, support);
+        Otf {
+            step_per_mm: step_per_mm(camera, support),
+            values: response.iter().enumerate().map(value).collect(),
+        }
+    })
+}
+
+/// What a pixel's footprint leaves of the contrast at `q`/`support` cycles a pixel.
+fn of_pixel(footprint: Footprint, q: usize, support: usize) -> f64 {
+    match footprint {
+        Footprint::Lens => 1.0,
+        Footprint::LensAndPixel => sinc(q as f64 / support as f64),
+    }
+}
+
+/// Returns the OTF along a row of pixels and along a column of a PSF that is known, as [`otfs`] does of a bank's.
 #[must_use]
 pub fn otfs_of_psf(camera: &Camera, psf: &Psf, footprint: Footprint) -> [Otf; 2] {
     let step_per_mm = step_per_mm(camera, SUPPORT);
@@ -175,6 +205,7 @@ pub fn through_focus(
 mod tests {
     use super::*;
     use crate::bank;
+    use crate::bound::lenses::Cubic;
     use crate::psf::channel_psfs;
     use edof_core::camera::{Kernels, Mask, PsfBank};
 
@@ -233,6 +264,41 @@ mod tests {
         let [a, b] =
             [&line, &narrow].map(|c| otf(c, Channel::Green, 3.0, Footprint::Lens).unwrap().at(100.0));
         assert!((a - b).abs() < 1e-3);
+    }
+
+    /// The autocorrelation of the pupil by its definition, point by point: a peer that shares nothing with the transforms but the phase.
+    #[test]
+    fn a_cubic_lens_has_the_contrast_of_its_pupils_autocorrelation() {
+        let camera = Cubic { strength: 6.0, mixed: 0.0 }.on(&Camera::resolve("clear-mid").unwrap());
+        let nm = camera.reference_wavelength_nm;
+        let per_mm = green_cutoff_per_mm(&camera) / 4.0;
+        // A shift of the pupil by twice the share of the cut-off, in radii.
+        let shift = 2.0 * per_mm / cutoff_per_mm(&camera, nm);
+        const POINTS: i32 = 400;
+        for psi in [0.0, 4.0, 7.0] {
+            let phase = |x: f64, y: f64| {
+                let cubic = 6.0 * (x.powi(3) + y.powi(3));
+                (x * x + y * y <= 1.0).then(|| (psi - camera.focus_psi) * (x * x + y * y) + cubic)
+            };
+            let (mut sum, mut light) = (Complex64::new(0.0, 0.0), 0.0);
+            for i in -POINTS..=POINTS {
+                for j in -POINTS..=POINTS {
+                    let [x, y] = [i, j].map(|i| 1.2 * f64::from(i) / f64::from(POINTS));
+                    light += f64::from(u8::from(phase(x, y).is_some()));
+                    if let (Some(a), Some(b)) = (phase(x + shift / 2.0, y), phase(x - shift / 2.0, y)) {
+                        sum += Complex64::from_polar(1.0, a - b);
+                    }
+                }
+            }
+            let expected = sum.norm() / light;
+            let both = otfs(&camera, Channel::Blue, psi, Footprint::Lens).unwrap();
+            for otf in both {
+                let found = otf.at(per_mm);
+                assert!((found - expected).abs() < 0.01, "psi {psi}: {found}, expected {expected}");
+                assert!(otf.at(0.98 * cutoff_per_mm(&camera, nm)) < 0.01);
+                assert!((otf.end_per_mm() / cutoff_per_mm(&camera, nm) - 1.0).abs() < 0.05);
+            }
+        }
     }
 
     #[test]

@@ -44,11 +44,11 @@ impl AtDepth {
     /// [`NoPsf`].
     pub fn new(camera: &Camera, psi: f64, settings: &Settings) -> Result<Self, NoPsf> {
         let psfs = channel_psfs(camera, psi, settings)?;
-        let otfs = if has_one_response(camera) || *settings != Settings::default() {
+        let otfs = if camera.psf_bank.is_some() && *settings == Settings::default() {
+            psfs.each_ref().map(|psf| otfs_of_psf(camera, psf, Footprint::Lens))
+        } else {
             let [red, green, blue] = Channel::ALL.map(|channel| otfs(camera, channel, psi, Footprint::Lens));
             [red?, green?, blue?]
-        } else {
-            psfs.each_ref().map(|psf| otfs_of_psf(camera, psf, Footprint::Lens))
         };
         Ok(Self { psi, psfs, otfs })
     }

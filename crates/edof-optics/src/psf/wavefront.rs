@@ -58,6 +58,21 @@ pub fn whole_psf(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize) 
     psf
 }
 
+/// The optical transfer function at one wavelength, without the pixel's footprint, along a row of pixels and along a column: entry q is at
+/// q/(`support`·pitch), up to the cut-off, and 1 at zero. It is the pupil's autocorrelation, by the sum over the squared transforms of its rows or columns.
+pub fn otf_along_axes(camera: &Camera, wavelength_nm: f64, psi: f64, support: usize) -> [Vec<Complex64>; 2] {
+    let grid = Grid::new(camera, wavelength_nm, support);
+    let pupil = Pupil::new(camera, wavelength_nm, psi);
+    let samples = samples(grid, |at| pupil.sample_at(at, 1.0 / grid.radius));
+    let mut forward = Lines::new(grid.period);
+    [samples.view(), samples.t()].map(|pupil| {
+        let field = half_way(&mut forward, &pupil.as_standard_layout().into_owned(), grid);
+        let spread = field.outer_iter().map(|at| at.iter().map(Complex64::norm_sqr).sum::<f64>());
+        let response = forward.of(|line| line.iter_mut().zip(spread).for_each(|(to, v)| to.re = v));
+        response.iter().take(grid.band()).map(|v| v / response[0].re).collect()
+    })
+}
+
 /// Light behind a sampled pupil, or how it changes with the pupil.
 pub fn light(pupil: &Array2<Complex64>, change: Option<&Array2<Complex64>>) -> f64 {
     match change {
