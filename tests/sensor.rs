@@ -166,6 +166,33 @@ fn a_sensor_file_of_dngs_is_for_dngs_and_one_of_other_frames_is_not() {
 }
 
 #[test]
+fn a_sensor_file_without_black_and_flat_frames_of_another_phase_are_named() {
+    let (place, _) = ready();
+    place.write("list.txt", "1,2\n");
+    let size = "--size 96x64 --bit-depth 12 --phase grbg";
+    place.edof(&format!("sensor --list list.txt {size} --out list.safetensors")).done();
+    let bright: Vec<u8> = [0xff, 0x03].repeat(96 * 64);
+    place.write("bright.raw", bright);
+    let line = format!("stream bright.raw {size} --weights net.fixed.safetensors --out o.y4m --sensor");
+    let pale =
+        "the least value of the first frame is 1023 of 4095, and black of --sensor list.safetensors is 0";
+    let run = place.edof(&format!("{line} list.safetensors")).done();
+    assert!(run.err.contains(pale), "{}", run.err);
+    let run = place.edof(&format!("{line} sensor.safetensors")).done();
+    assert!(!run.err.contains("the least value"), "{}", run.err);
+    // Even white light behind grbg.
+    let value = |(r, c): (usize, usize)| [900, 1800, 1200][CfaPhase::Grbg.channel(r, c).plane()];
+    let flat = RawFrame::from_values(Array2::from_shape_fn(SIZE, value), 12, CfaPhase::Grbg).unwrap();
+    raw::save(&place.path("white.pgm"), &flat).unwrap();
+    let told = |phase: &str| {
+        place.edof(&format!("sensor --flat white.pgm --phase {phase} --out s.{phase}")).done().err
+    };
+    let doubt = "flat frames: what --phase rggb takes for green differs as red and blue do";
+    assert!(told("rggb").contains(doubt));
+    assert!(!told("grbg").contains("takes for green"));
+}
+
+#[test]
 fn a_plain_picture_is_of_the_corrected_frame() {
     let (place, _) = ready();
     let picture = |options: &str| {

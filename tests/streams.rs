@@ -166,6 +166,14 @@ fn lines_with_padding_are_read_without_it() {
         .edof(&format!("reconstruct all.raw {frame} --out o.png"))
         .refused(&["as many as 3 frames have, which 'edof stream' and 'edof sensor' read"]);
     place
+        .edof(&format!("stream all.raw {line} --line-bytes 100 --out o.yuyv"))
+        .refused(&["as many as 3 frames without padding: leave out --line-bytes"]);
+    place.write("cut.raw", &read(&place, "all.raw")[..2 * 3072 + 6]);
+    for command in ["stream cut.raw --size 48x32 --out o.yuyv", "sensor --dark cut.raw --size 48x32 --out o"]
+    {
+        place.edof(command).refused(&["cut.raw: 6150 bytes, expected", "; 2 whole frames and 6 bytes"]);
+    }
+    place
         .edof(&format!("stream padded.raw {line} --line-bytes 95 --out o.yuyv"))
         .refused(&["--line-bytes: 95 bytes for a line of 48 pixels, expected at least 96 packed as words"]);
 }
@@ -179,7 +187,7 @@ fn words_that_seem_to_have_fewer_bits_are_named_and_a_record_is_believed() {
     let grey = "the least value of the first frame is 200 of 255, and --black-level is 0";
     assert!(place.edof(&line).done().err.contains(grey));
     assert!(!place.edof(&format!("{line} --black-level 16")).done().err.contains(grey));
-    let lost = "--black-level 240: no value of the first frame is above it";
+    let lost = "--black-level 240: 100 % of the first frame's values are below it, the largest is 200 of 255";
     assert!(place.edof(&format!("{line} --black-level 240")).done().err.contains(lost));
     let dark = "the largest value of the first frame is 4088 of 65535";
     let run = place.edof(&format!("stream all.raw {LINE} --out dark.y4m")).done();
@@ -194,6 +202,32 @@ fn words_that_seem_to_have_fewer_bits_are_named_and_a_record_is_believed() {
         .edof(&line)
         .refused(&["--phase rggb: shot.raw.json says gbrg; state --phase gbrg, or move that file elsewhere"]);
     place.edof(&format!("{line} --phase gbrg --bit-depth 12")).done();
+}
+
+#[test]
+fn a_first_frame_of_another_phase_or_with_black_too_high_is_named() {
+    let place = ready();
+    // Red and blue of a warm light at the places of grbg.
+    let light: Vec<u8> = (0..SIZE.0 * SIZE.1)
+        .map(|i| match (i / SIZE.0 % 2, i % 2) {
+            (0, 1) => 180,
+            (1, 0) => 60,
+            _ => 120,
+        })
+        .collect();
+    place.write("warm.raw", &light);
+    let line = format!("stream warm.raw {LINE} --packing bytes --black-level 4 --out warm.y4m");
+    let other = "what --phase rggb takes for green differs as red and blue do; it may have been taken with --phase grbg or --phase gbrg";
+    let run = place.edof(&format!("{line} --phase rggb")).done();
+    assert!(run.err.contains(&format!("the first frame: {other}")), "{}", run.err);
+    let frame = "reconstruct warm.raw --size 48x32 --packing bytes --black-level 4 --weights net.fixed.safetensors --out warm.png";
+    assert!(place.edof(frame).done().err.contains(&format!("warm.raw: {other}")));
+    assert!(!place.edof(&format!("{line} --phase grbg")).done().err.contains("takes for green"));
+    let words = format!("stream all.raw {LINE} --bit-depth 12 --out high.y4m --black-level");
+    let run = place.edof(&format!("{words} 3900")).done();
+    let high = "of the first frame's values are below it, the largest is 4088 of 4095; if it is of words of 16 bits, divide it by 16";
+    assert!(run.err.contains(high), "{}", run.err);
+    assert!(!place.edof(&format!("{words} 168")).done().err.contains("below it"));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What of a raw frame says that it was read otherwise than it was taken. Nothing is proved by it: a frame may be dark, a scene may
 //! be of any colours.
 
-use edof_core::{Channel, RawFrame};
+use edof_core::{CfaPhase, Channel, RawFrame};
 
 /// A frame that uses less than this of the range is dim: values of 14 bits or fewer do.
 const DIM: u16 = u16::MAX / 4;
@@ -39,8 +39,13 @@ fn wrong_diagonal(frame: &RawFrame) -> bool {
     for ((r, c), &v) in frame.pixels().indexed_iter() {
         sums[r % 2][c % 2] += f64::from(v);
     }
+    greens_differ(sums, frame.phase())
+}
+
+/// Whether what a phase takes for the two greens of a cell differs as red and blue do, by sums of light over its places.
+pub(crate) fn greens_differ(sums: [[f64; 2]; 2], phase: CfaPhase) -> bool {
     let mean = 0.25 * sums.iter().flatten().sum::<f64>();
-    let is_green = |column: usize| frame.phase().channel(0, column) == Channel::Green;
+    let is_green = |column: usize| phase.channel(0, column) == Channel::Green;
     let [rising, falling] = [(sums[0][1] - sums[1][0]).abs(), (sums[0][0] - sums[1][1]).abs()];
     let (greens, others) = if is_green(0) { (falling, rising) } else { (rising, falling) };
     greens > GREENS_DIFFER * mean && greens > MORE_THAN_OTHERS * others
@@ -49,7 +54,6 @@ fn wrong_diagonal(frame: &RawFrame) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_core::CfaPhase;
     use ndarray::Array2;
 
     /// A grey-blue picture with some structure behind the filters of one phase, read with another.

@@ -1,5 +1,6 @@
 //! `edof sensor`: from dark and flat frames to a correction of the sensor.
 
+use crate::commands::reconstruct::of_other_phase;
 use crate::error::Error;
 use crate::files::Files;
 use crate::interrupt;
@@ -216,6 +217,15 @@ fn doubted(doubt: Doubt) -> String {
             format!("dark frames: pixels differ by {} % of full scale; {light}", percent(part))
         }
         Doubt::Noise(part) => format!("dark frames: noise is {} % of full scale; {light}", percent(part)),
+        Doubt::Line(part) => format!(
+            "dark frames: a column or row is {} % of full scale below black; did light fall on the others?",
+            percent(part)
+        ),
+        Doubt::Slope(part) => format!(
+            "dark frames: black changes by {} % of full scale over the frame; did light fall on the sensor, or does it glow?",
+            percent(part)
+        ),
+        Doubt::Phase(phase) => format!("flat frames: {}", of_other_phase(phase)),
         Doubt::Shading(gain) => {
             format!(
                 "flat frames: the largest gain is {gain:.1}; was the light even, and the lens the one of the pictures?"

@@ -1,6 +1,6 @@
 //! `edof stream`: from a stream of raw frames to a stream of pictures.
 
-use crate::commands::reconstruct::{Gamma, of_other_tone, option};
+use crate::commands::reconstruct::{Gamma, of_other_phase, of_other_tone, option};
 use crate::commands::sensor;
 use crate::error::Error;
 use crate::files::Files;
@@ -10,7 +10,7 @@ use crate::raw_words::{self, PixelWord, Pixels};
 use crate::ui::Ui;
 use crate::weights;
 use clap::ValueEnum;
-use edof::job::{Balance, Layout, Pace, StreamError, StreamJob, VideoFormat};
+use edof::job::{Balance, FirstFrame, Layout, Pace, StreamError, StreamJob, VideoFormat};
 use edof_core::words::{count, number};
 use edof_core::{Noise, Tone};
 use edof_io::levels::{Black, Levels};
@@ -141,6 +141,9 @@ impl FromStr for Balanced {
 /// Part of full scale above which the least value of a frame says that darkness may not be stated: sensors have 4 to 12 %.
 const GREY: f64 = 0.03;
 
+/// Share of the values below black from which on black may be misstated: of a frame without light, half of them are.
+const LOST: f64 = 0.75;
+
 /// Bytes that show a format.
 const HEAD: u64 = 16;
 
@@ -169,7 +172,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     let name_network = |pace: &Pace| {
         network.take().into_iter().for_each(|line| {
             ui.note(line);
-            args.doubts(&job.layout, pace).into_iter().for_each(|line| ui.note(line));
+            args.doubts(&job, pace).into_iter().for_each(|line| ui.note(line));
         });
     };
     let tell = |pace: &Pace| {
@@ -230,6 +233,11 @@ fn is_live_place(path: &Path) -> bool {
 #[cfg(not(unix))]
 const fn is_live_place(_: &Path) -> bool {
     false
+}
+
+/// Largest sensor value.
+fn full(layout: &Layout) -> u32 {
+    (1 << layout.depth()) - 1
 }
 
 fn is_standard(path: &Path) -> bool {
@@ -320,40 +328,74 @@ impl Args {
                 self.raw.display(),
                 self.size,
                 layout.packing.name(),
-                raw::padded(self.size, layout.packing, found).unwrap_or_default()
+                raw::padded(self.size, layout.packing, self.line_bytes, found).unwrap_or_default()
             ))),
         }
     }
 
-    /// Returns what of the first frame says that bits or darkness are not as they were stated; nothing is proved by it.
-    fn doubts(&self, layout: &Layout, pace: &Pace) -> Vec<String> {
-        let [least, largest] = pace.first_values;
-        if pace.frames == 0 || self.sensor.is_some() {
+    /// Returns what of the first frame says that it is read otherwise than it was taken; nothing is proved by it.
+    fn doubts(&self, job: &StreamJob, pace: &Pace) -> Vec<String> {
+        if pace.frames == 0 {
             return vec![];
         }
-        let depth = layout.depth();
-        let full = (1u32 << depth) - 1;
+        let first = &pace.first;
+        let phase =
+            first.is_of_other_phase.then(|| format!("the first frame: {}", of_other_phase(job.layout.phase)));
+        let [dark, lost] = match job.sensor {
+            None => [self.dark(&job.layout, first), self.lost(&job.layout, first)],
+            Some(_) => [None, None],
+        };
+        [dark, self.pale(job, first), lost, phase].into_iter().flatten().collect()
+    }
+
+    /// Words that look as if they had fewer bits.
+    fn dark(&self, layout: &Layout, first: &FirstFrame) -> Option<String> {
+        let (depth, [_, largest]) = (layout.depth(), first.values);
+        let full = full(layout);
         let is_dark =
             layout.packing == Packing::Words && self.white_level.is_none() && u32::from(largest) < full / 4;
-        let dark = is_dark.then(|| {
+        is_dark.then(|| {
             let bits = (u16::BITS - largest.leading_zeros()).clamp(8, 16);
             format!(
                 "the largest value of the first frame is {largest} of {full}, so pictures are dark; if the sensor has fewer than {depth} bits, state them, \
                  as in --bit-depth {bits}"
             )
-        });
-        let black = self.black_level.values().into_iter().fold(f64::INFINITY, f64::min);
-        let is_grey = black == 0.0 && f64::from(least) > GREY * f64::from(full);
-        let grey = is_grey.then(|| {
+        })
+    }
+
+    /// Darkness that nobody stated.
+    fn pale(&self, job: &StreamJob, first: &FirstFrame) -> Option<String> {
+        let ([least, _], full) = (first.values, full(&job.layout));
+        let (is_zero, black, remedy) = match (&job.sensor, &self.sensor) {
+            (Some(sensor), Some(file)) => {
+                let black = format!("black of --sensor {} is 0", file.display());
+                (sensor.tables().black == [0; 4], black, "measure it by 'edof sensor --dark'")
+            }
+            _ => (self.black_level == Black::default(), "--black-level is 0".to_owned(), "state it"),
+        };
+        let is_pale = is_zero && f64::from(least) > GREY * f64::from(full);
+        is_pale.then(|| {
             format!(
-                "the least value of the first frame is {least} of {full}, and --black-level is 0: if the sensor's darkness is that bright, state it, or pictures are pale"
+                "the least value of the first frame is {least} of {full}, and {black}: if the sensor's darkness is that bright, {remedy}, or pictures are pale"
             )
-        });
-        let is_black = black > f64::from(largest);
-        let lost = is_black.then(|| {
-            format!("--black-level {}: no value of the first frame is above it, the largest is {largest} of {full}", number(black))
-        });
-        [dark, grey, lost].into_iter().flatten().collect()
+        })
+    }
+
+    /// Darkness that was stated too high.
+    fn lost(&self, layout: &Layout, first: &FirstFrame) -> Option<String> {
+        let (full, largest, bits) = (full(layout), first.values[1], 16 - layout.depth());
+        (first.below_black > LOST).then(|| {
+            let black = self.black_level.values().into_iter().fold(f64::INFINITY, f64::min);
+            let remedy = match bits {
+                0 => String::new(),
+                bits => format!("; if it is of words of 16 bits, divide it by {}", 1 << bits),
+            };
+            format!(
+                "--black-level {}: {:.0} % of the first frame's values are below it, the largest is {largest} of {full}{remedy}",
+                number(black),
+                100.0 * first.below_black
+            )
+        })
     }
 
     /// Rejects options that contradict the record beside a file of frames.

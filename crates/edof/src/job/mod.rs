@@ -38,4 +38,4 @@ pub use note::{FrameNote, OtherLens, PictureNote};
 pub use npz::Npz;
 pub use reconstruct::{Engine, FixedOptions, FrameSource, ReconstructJob, Reconstructed, words_file};
 pub use sensor::{DarkFlat, SensorJob};
-pub use stream::{Balance, Layout, Pace, StreamError, StreamJob, Streamed, VideoFormat};
+pub use stream::{Balance, FirstFrame, Layout, Pace, StreamError, StreamJob, Streamed, VideoFormat};

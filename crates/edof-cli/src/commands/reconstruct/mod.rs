@@ -5,7 +5,7 @@ mod options;
 mod wording;
 
 pub use options::{Args, Gamma};
-pub(in crate::commands) use wording::{of_other_tone, option};
+pub(in crate::commands) use wording::{of_other_phase, of_other_tone, option};
 
 use crate::commands::sensor;
 use crate::error::Error;

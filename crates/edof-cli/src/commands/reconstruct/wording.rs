@@ -137,13 +137,7 @@ impl Wording<'_> {
                 format!("{}: brightest pixel is {brightest} of 65535; {remedy}", path.display())
             }
             FrameNote::OtherPhase { path, phase } => {
-                let others = CfaPhase::ALL.into_iter().filter(|p| green_first(*p) != green_first(phase));
-                let others: Vec<String> = others.map(|p| format!("--phase {p}")).collect();
-                format!(
-                    "{}: what --phase {phase} takes for green differs as red and blue do; it may have been taken with {}",
-                    path.display(),
-                    others.join(" or ")
-                )
+                format!("{}: {}", path.display(), of_other_phase(phase))
             }
             FrameNote::OtherLens(other) => {
                 format!("--weights {}; used nevertheless", other.in_words("--camera"))
@@ -248,6 +242,16 @@ const fn loss_of(tone: Tone) -> &'static str {
         Tone::Srgb => "about 2 dB less than of one that was, at any noise",
         Tone::Linear => "about 3 dB less than of one that was, 1 dB where noise is 0.01",
     }
+}
+
+/// Says that frames look as if they were of another phase.
+pub(in crate::commands) fn of_other_phase(phase: CfaPhase) -> String {
+    let others = CfaPhase::ALL.into_iter().filter(|p| green_first(*p) != green_first(phase));
+    let others: Vec<String> = others.map(|p| format!("--phase {p}")).collect();
+    format!(
+        "what --phase {phase} takes for green differs as red and blue do; it may have been taken with {}",
+        others.join(" or ")
+    )
 }
 
 fn green_first(phase: CfaPhase) -> bool {

@@ -75,7 +75,7 @@ fn wrong_length(
         expected: packing.frame_bytes(size.width, size.height, line).to_string(),
         size,
         hint: if names.is_empty() {
-            found.and_then(|found| padded(size, packing, found)).unwrap_or_default()
+            found.and_then(|found| padded(size, packing, line, found)).unwrap_or_default()
         } else {
             format!("; as many as packed as {}", names.join(" or "))
         },
@@ -86,20 +86,32 @@ fn wrong_length(
 const PADDING: usize = 256;
 const ALIGNED: usize = 4;
 
-/// Returns what else would make a headerless file of so many bytes, if anything would: several frames, or padded lines.
+/// Returns what else would make a headerless file of so many bytes, if anything would: several frames, or lines that are padded otherwise than stated by
+/// `line`; or how many whole frames it holds.
 #[must_use]
-pub fn padded(size: Size, packing: Packing, found: u64) -> Option<String> {
+pub fn padded(size: Size, packing: Packing, line: Option<usize>, found: u64) -> Option<String> {
     let (height, pixels) = (size.height as u64, packing.bytes(size.width));
+    let count = |frames: u64| edof_core::words::count(frames as usize, "frame");
     let frame = packing.frame_bytes(size.width, size.height, None) as u64;
-    if found > frame && found.is_multiple_of(frame) {
+    if line.is_some() && found >= frame && found.is_multiple_of(frame) {
         return Some(format!(
-            "; as many as {} frames have, which 'edof stream' and 'edof sensor' read",
-            found / frame
+            "; as many as {} without padding: leave out --line-bytes",
+            count(found / frame)
         ));
     }
-    let line = (pixels + 1..=pixels + PADDING)
-        .find(|line| line.is_multiple_of(ALIGNED) && found.is_multiple_of(*line as u64 * height))?;
-    let frames = found / (line as u64 * height);
-    let of = edof_core::words::count(frames as usize, "frame");
-    Some(format!("; as many as {of} with lines of {line} bytes: --line-bytes {line}"))
+    if found > frame && found.is_multiple_of(frame) {
+        return Some(format!(
+            "; as many as {} have, which 'edof stream' and 'edof sensor' read",
+            count(found / frame)
+        ));
+    }
+    let fitting = (pixels + 1..=pixels + PADDING)
+        .find(|line| line.is_multiple_of(ALIGNED) && found.is_multiple_of(*line as u64 * height));
+    if let Some(line) = fitting.filter(|_| found > 0) {
+        let of = count(found / (line as u64 * height));
+        return Some(format!("; as many as {of} with lines of {line} bytes: --line-bytes {line}"));
+    }
+    let frame = packing.frame_bytes(size.width, size.height, line) as u64;
+    let whole = edof_core::words::count((found / frame) as usize, "whole frame");
+    (found > frame).then(|| format!("; {whole} and {} bytes", found % frame))
 }

@@ -10,6 +10,11 @@ use serde::Serialize;
 const SIGNIFICANT: f64 = 3.0;
 /// Part of full scale; a column or row whose offset is farther off is defective.
 const MAX_OFFSET: f64 = 0.125;
+/// Values of noise within which of 0 a line does not answer at all.
+const STUCK: f64 = 8.0;
+/// Parts of a frame whose lines are compared, and how many spreads within them they differ by where that is no pattern of single lines.
+const PARTS: usize = 8;
+const SMOOTH: f64 = 4.0;
 /// Variance of rounding to whole values.
 const ROUNDING: f64 = 1.0 / 12.0;
 
@@ -49,6 +54,10 @@ pub struct DarkReport {
     pub hot: usize,
     /// Pixels below it.
     pub cold: usize,
+    /// Offset of the column or row that is farthest below black, of those that are not at 0.
+    pub lowest_line: f64,
+    /// Difference of the brightest and the darkest eighth of columns or rows, where neighbours differ much less.
+    pub slope: f64,
 }
 
 /// Measures dark frames. A pixel is defective if it is more than `hot` times the noise from what is usual around it.
@@ -88,8 +97,36 @@ pub fn measured(frames: &Frames, hot: f64) -> Dark {
         threshold,
         hot,
         cold,
+        lowest_line: lowest(&[&columns, &rows], black, noise),
+        slope: slope(&columns).max(slope(&rows)),
     };
     Dark { black, columns, rows, pixels: per_pixel.then_some(rest), mask, report }
+}
+
+/// Returns the lowest offset of lines that are not stuck at 0, which says nothing of black.
+fn lowest(lines: &[&[f64]; 2], black: [f64; 4], noise: f64) -> f64 {
+    let darkest = black.into_iter().fold(f64::INFINITY, f64::min);
+    let is_stuck = |offset: f64| darkest + offset < STUCK * noise;
+    lines.iter().copied().flatten().copied().filter(|offset| !is_stuck(*offset)).fold(0.0, f64::min)
+}
+
+/// Returns the difference of the brightest and the darkest eighth of lines; 0 where lines are few or differ from their neighbours by as much.
+fn slope(lines: &[f64]) -> f64 {
+    let length = lines.len() / PARTS;
+    if length < PARTS {
+        return 0.0;
+    }
+    let parts = lines.chunks_exact(length).map(|part| part.iter().map(|v| *v as f32).collect::<Vec<_>>());
+    let parts: Vec<(f64, f64)> = parts
+        .map(|part| {
+            let middle = median(part.clone());
+            (middle, spread(part.into_iter(), middle))
+        })
+        .collect();
+    let least = parts.iter().map(|part| part.0).fold(f64::INFINITY, f64::min);
+    let most = parts.iter().map(|part| part.0).fold(f64::NEG_INFINITY, f64::max);
+    let within = median(parts.iter().map(|part| part.1 as f32).collect());
+    if most - least > SMOOTH * within { most - least } else { 0.0 }
 }
 
 /// Returns the offset of each line, 0 where it is not significant.

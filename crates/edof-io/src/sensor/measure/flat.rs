@@ -2,6 +2,7 @@
 
 use super::MeasureError;
 use super::statistics::{median, spread, usual};
+use crate::read_warnings::greens_differ;
 use crate::sensor::correction::{NODE_SPACING, grid, place};
 use edof_core::{CfaPhase, Channel};
 use ndarray::{Array2, Array3, s};
@@ -38,6 +39,8 @@ pub struct FlatReport {
     pub dead: usize,
     /// Largest gain of red, green and blue.
     pub shading: [f64; 3],
+    /// Whether what the phase takes for green differs as red and blue do.
+    pub is_of_other_phase: bool,
 }
 
 /// Measures light (sensor values above black) whose full scale is `full`. A pixel is defective if its response is more than `limit` off.
@@ -80,8 +83,20 @@ pub fn measured(
         threshold,
         dead: mask.iter().filter(|is_bad| **is_bad).count(),
         shading: Channel::ALL.map(most),
+        is_of_other_phase: greens_differ(means_of_places(light, &mask), phase),
     };
     Ok(Flat { gains, mask, report })
+}
+
+/// Returns the mean light of the good pixels of each place of a cell.
+fn means_of_places(light: &Array2<f32>, mask: &Array2<bool>) -> [[f64; 2]; 2] {
+    let mut sums = [[(0.0, 0.0); 2]; 2];
+    for (((r, c), value), _) in light.indexed_iter().zip(mask).filter(|(_, is_bad)| !**is_bad) {
+        let (count, sum) = &mut sums[r % 2][c % 2];
+        *count += 1.0;
+        *sum += f64::from(*value);
+    }
+    sums.map(|row| row.map(|(count, sum)| sum / f64::max(count, 1.0)))
 }
 
 /// Returns the light at each node of the grid, for the four places of a cell.

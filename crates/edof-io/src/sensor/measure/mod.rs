@@ -39,6 +39,10 @@ const MAX_CLIPPED: f64 = 0.1;
 /// Parts of full scale from which on dark frames look as if light had fallen on them: black, the difference of its four places, the spread of pixels, the
 /// noise.
 const DOUBTFUL_DARK: [f64; 4] = [0.13, 0.005, 0.005, 0.01];
+/// Offset of a column or row below black that tells of light on the others: in noise, and as part of full scale.
+const DOUBTFUL_LINE: [f64; 2] = [8.0, 0.005];
+/// Part of full scale by which dark frames slope where light fell on them.
+const DOUBTFUL_SLOPE: f64 = 0.002;
 /// Gain of shading from which on flat frames look uneven.
 const DOUBTFUL_GAIN: f64 = 2.5;
 
@@ -175,12 +179,18 @@ pub enum Doubt {
     Pattern(f64),
     /// Noise that light makes.
     Noise(f64),
+    /// A column or row is below black, as if light had fallen on the others, by as much of full scale.
+    Line(f64),
+    /// Black changes over the frame as light does, by as much of full scale.
+    Slope(f64),
+    /// What the phase takes for green differs as red and blue do.
+    Phase(CfaPhase),
     /// Light that falls off more than behind most lenses: the largest gain.
     Shading(f64),
 }
 
 /// Returns what is doubtful of frames, by parts of full scale.
-fn doubts(dark: Option<&DarkReport>, flat: Option<&FlatReport>, full: f64) -> Vec<Doubt> {
+fn doubts(dark: Option<&DarkReport>, flat: Option<&FlatReport>, phase: CfaPhase, full: f64) -> Vec<Doubt> {
     let mut found = vec![];
     if let Some(dark) = dark {
         let [least, most] = dark.black.iter().fold([f64::INFINITY, 0.0], |[a, b], v| [v.min(a), v.max(b)]);
@@ -188,7 +198,14 @@ fn doubts(dark: Option<&DarkReport>, flat: Option<&FlatReport>, full: f64) -> Ve
         let kinds = [Doubt::Black, Doubt::Colours, Doubt::Pattern, Doubt::Noise];
         let all = kinds.into_iter().zip(parts).zip(DOUBTFUL_DARK);
         found.extend(all.filter(|((_, part), limit)| part > limit).map(|((kind, part), _)| kind(part)));
+        let [noises, part] = DOUBTFUL_LINE;
+        let below = -dark.lowest_line;
+        let is_low = below > noises * dark.noise && below > part * full;
+        found.extend(is_low.then(|| Doubt::Line(below / full)));
+        let slope = dark.slope / full;
+        found.extend((slope > DOUBTFUL_SLOPE).then_some(Doubt::Slope(slope)));
     }
+    found.extend(flat.filter(|flat| flat.is_of_other_phase).map(|_| Doubt::Phase(phase)));
     let shading = flat.map(|flat| flat.shading.into_iter().fold(1.0, f64::max));
     found.extend(shading.filter(|gain| *gain > DOUBTFUL_GAIN).map(Doubt::Shading));
     found
@@ -252,8 +269,8 @@ impl Sensor<'_> {
         );
         let correction = Correction::new(tables)?;
         let Defects { pixels, columns, rows } = &correction.tables().defects;
-        let doubts =
-            doubts(dark.as_ref().map(|dark| &dark.report), flat.as_ref().map(|flat| &flat.report), full);
+        let reports = (dark.as_ref().map(|dark| &dark.report), flat.as_ref().map(|flat| &flat.report));
+        let doubts = doubts(reports.0, reports.1, self.phase, full);
         let report = Report {
             size: self.size,
             phase: self.phase,

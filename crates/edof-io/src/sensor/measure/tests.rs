@@ -224,6 +224,22 @@ fn a_scene_is_no_dark_frame_and_no_flat_one() {
     let weak = sensor(Some(&texture(400.0, 60.0)), None).measured(&Limits::default()).unwrap().1.doubts;
     assert!(matches!(weak[..], [Doubt::Pattern(_), Doubt::Noise(_)]), "{weak:?}");
     assert_eq!(sensor(Some(&texture(256.0, 3.0)), None).measured(&Limits::default()).unwrap().1.doubts, []);
+    // Light that falls off towards the corners, and columns that do not answer to it.
+    let leak = |light: f64, dead: f64| {
+        let mut random = Random(9);
+        let values = Array2::from_shape_fn((SIZE.height, SIZE.width), |(r, c)| {
+            let [y, x] = [r as f64 / 60.0 - 1.0, c as f64 / 80.0 - 1.0];
+            let light = if c == 50 { dead } else { light * (1.0 - 0.2 * (y * y + x * x)) };
+            (168.0 + light + 3.0 * random.normal()).clamp(0.0, 4095.0) as u16
+        });
+        let frames = Frames::new(&RawFrame::from_values(values, 12, CfaPhase::Grbg).unwrap());
+        sensor(Some(&frames), None).measured(&Limits::default()).unwrap().1.doubts
+    };
+    let found = leak(120.0, 0.0);
+    assert!(matches!(found[..], [Doubt::Line(_), Doubt::Slope(_)]), "{found:?}");
+    assert_eq!(leak(0.0, 0.0), []);
+    // One that is stuck at 0 says nothing of light.
+    assert_eq!(leak(0.0, -168.0), []);
     // Words of another packing: most pixels are as ever, the others anything.
     let mut random = Random(3);
     let mixed = Array2::from_shape_fn((SIZE.height, SIZE.width), |_| {

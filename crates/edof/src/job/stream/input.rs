@@ -1,11 +1,12 @@
 //! Frames of a stream: bytes, sensor values, and the words that a network takes.
 
-use super::StreamError;
+use super::{FirstFrame, StreamError};
 use edof_core::frame::FrameError;
 use edof_core::{CfaPhase, RawFrame, Tone};
-use edof_io::levels::Levels;
+use edof_io::levels::{Black, Levels};
 use edof_io::packing::{ByteOrder, Packing, Stray};
 use edof_io::raw::Size;
+use edof_io::read_warnings::{ReadWarning, read_warnings};
 use edof_io::sensor::Correction;
 use ndarray::Array2;
 use std::io::{ErrorKind, Read};
@@ -78,8 +79,10 @@ pub(super) struct Words {
     memory: Vec<u16>,
     /// A frame without the padding of its lines.
     pixels: Vec<u8>,
-    /// Least and largest sensor value of the first frame.
-    first_values: Option<[u16; 2]>,
+    /// Tone of the network's words.
+    tone: Tone,
+    /// What the first frame shows.
+    first: Option<FirstFrame>,
 }
 
 impl Words {
@@ -101,7 +104,7 @@ impl Words {
         };
         let encoded = || tables_of_light(phase, values);
         let sensor = sensor.map(|sensor| Ok::<_, StreamError>((sensor, encoded()?))).transpose()?;
-        Ok(Self { layout, tables, sensor, memory: vec![], pixels: vec![], first_values: None })
+        Ok(Self { layout, tables, sensor, memory: vec![], pixels: vec![], tone: values, first: None })
     }
 
     /// Makes a frame of its bytes.
@@ -112,9 +115,8 @@ impl Words {
         packing.values_into(bytes, order, &mut values).map_err(|Stray { pixel, code }| {
             StreamError::Code { number, row: pixel / width, column: pixel % width, code }
         })?;
-        self.first_values.get_or_insert_with(|| {
-            values.iter().fold([u16::MAX, 0], |[least, most], value| [least.min(*value), most.max(*value)])
-        });
+        let is_first = self.first.is_none();
+        let mut first = *self.first.get_or_insert_with(|| shown(&values, width, self.layout.levels.black));
         for (row, line) in values.chunks_exact_mut(width).enumerate() {
             let [even, odd] = [0, 1].map(|column| self.tables[2 * (row % 2) + column].as_slice());
             for (pair, [left, right]) in line.as_chunks_mut().0.iter_mut().enumerate() {
@@ -136,18 +138,41 @@ impl Words {
             sensor.correct(words.view_mut());
             words.mapv_inplace(|word| encoded[usize::from(word)]);
         }
-        Ok(RawFrame::from_values(words, 16, phase)?)
+        let frame = RawFrame::from_values(words, 16, phase)?;
+        if is_first {
+            first.is_of_other_phase = is_of_other_phase(&frame, self.tone);
+            self.first = Some(first);
+        }
+        Ok(frame)
     }
 
-    /// Returns the least and the largest sensor value of the first frame, once there was one.
-    pub(super) const fn first_values(&self) -> Option<[u16; 2]> {
-        self.first_values
+    /// Returns what the first frame shows, once there was one.
+    pub(super) const fn first(&self) -> Option<FirstFrame> {
+        self.first
     }
 
     /// Takes a frame's memory for the next one.
     pub(super) fn keep(&mut self, frame: RawFrame) {
         self.memory = frame.into_pixels().into_raw_vec_and_offset().0;
     }
+}
+
+/// Returns what the sensor values of a frame show.
+fn shown(values: &[u16], width: usize, black: Black) -> FirstFrame {
+    let black = black.values();
+    let is_below =
+        |(i, value): &(usize, &u16)| f64::from(**value) < black[2 * (i / width % 2) + i % width % 2];
+    let below = values.iter().enumerate().filter(is_below).count();
+    FirstFrame {
+        values: values.iter().fold([u16::MAX, 0], |[least, most], v| [least.min(*v), most.max(*v)]),
+        below_black: below as f64 / values.len() as f64,
+        is_of_other_phase: false,
+    }
+}
+
+/// Whether the light of a frame, whose words are of a tone, looks as if its phase were another.
+fn is_of_other_phase(frame: &RawFrame, tone: Tone) -> bool {
+    read_warnings(&frame.decoded(tone)).contains(&ReadWarning::Phase)
 }
 
 /// Returns the word for each value of a sensor, for each of the 2×2 pixels of a cell.
@@ -172,7 +197,6 @@ fn tables_of_light(phase: CfaPhase, values: Tone) -> Result<Vec<u16>, StreamErro
 #[cfg(test)]
 mod tests {
     use super::*;
-    use edof_io::levels::Black;
     use edof_io::sensor::Tables;
 
     fn layout(packing: Packing) -> Layout {

@@ -17,7 +17,7 @@ mod tally;
 
 pub use balance::Balance;
 pub use input::Layout;
-pub use tally::Pace;
+pub use tally::{FirstFrame, Pace};
 
 use balance::Follower;
 use edof_core::Tone;
@@ -317,7 +317,7 @@ impl StreamJob {
                 Popped::Closed => break,
             };
             let raw = words.frame(number, &bytes)?;
-            words.first_values().into_iter().for_each(|values| shared.tally().began(values));
+            words.first().into_iter().for_each(|first| shared.tally().began(first));
             drop(shared.free.push_newest(bytes));
             let mut picture = shared.written.try_pop().unwrap_or_else(Picture::empty);
             let frame = stream.frame(&raw)?;

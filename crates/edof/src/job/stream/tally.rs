@@ -16,8 +16,19 @@ pub struct Pace {
     pub latency_ms: f64,
     /// The most.
     pub most_latency_ms: f64,
-    /// Least and largest sensor value of the first frame.
-    pub first_values: [u16; 2],
+    /// What the first frame shows.
+    pub first: FirstFrame,
+}
+
+/// What the first frame of a stream shows of how it is read.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct FirstFrame {
+    /// Least and largest sensor value.
+    pub values: [u16; 2],
+    /// Share of the sensor values that are below the stated black.
+    pub below_black: f64,
+    /// Whether what the phase takes for green differs as red and blue do.
+    pub is_of_other_phase: bool,
 }
 
 /// Counts frames.
@@ -25,7 +36,7 @@ pub(super) struct Tally {
     second: Span,
     all: Span,
     dropped: u64,
-    first_values: [u16; 2],
+    first: FirstFrame,
 }
 
 /// Buckets of latencies in a millisecond.
@@ -65,7 +76,7 @@ impl Span {
 
 impl Tally {
     pub(super) fn new(now: Instant) -> Self {
-        Self { second: Span::new(now), all: Span::new(now), dropped: 0, first_values: [0; 2] }
+        Self { second: Span::new(now), all: Span::new(now), dropped: 0, first: FirstFrame::default() }
     }
 
     /// Counts a frame that was written.
@@ -75,9 +86,9 @@ impl Tally {
         }
     }
 
-    /// Notes the least and the largest sensor value of the first frame.
-    pub(super) const fn began(&mut self, values: [u16; 2]) {
-        self.first_values = values;
+    /// Notes what the first frame shows.
+    pub(super) const fn began(&mut self, first: FirstFrame) {
+        self.first = first;
     }
 
     /// Counts a frame that was left out.
@@ -107,7 +118,7 @@ impl Tally {
             dropped: self.dropped,
             latency_ms: span.quantile_ms(0.5),
             most_latency_ms: span.quantile_ms(1.0),
-            first_values: self.first_values,
+            first: self.first,
         }
     }
 }
