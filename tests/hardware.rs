@@ -424,6 +424,7 @@ fn co_simulation_finds_a_fault_in_the_files_of_a_folder() {
     let words = ["edof: stage I (I to M1), patch ", "expected 32767, got 32766", "waveform fault."];
     let words: Vec<&str> = words.into_iter().chain(driver).collect();
     assert!(words.iter().all(|word| told.contains(word)), "{told}");
+    assert!(run.err.contains("; compiling once more for its waveform"), "{}", run.err);
     let xml = std::fs::read_to_string(place.path("cosim.xml")).unwrap();
     assert!(xml.contains("tests=\"1\" failures=\"1\"") && xml.contains("stage I"), "{xml}");
     let json: Value = serde_json::from_slice(&std::fs::read(place.path("cosim.json")).unwrap()).unwrap();

@@ -187,11 +187,15 @@ fn run_either(args: &Args, start: Instant, ui: &Ui) -> Result<(), Error> {
     let seconds = start.elapsed().as_secs_f64();
     tell(args, &trial, &outcomes, seconds, ui)?;
     let Some(difference) = first_difference(&outcomes) else { return Ok(()) };
-    let waveform = trial.waveform(&project, args, &outcomes)?;
     let driver = difference.driver(&project, trial.design.stages.len());
     let driver = driver.map_or(String::new(), |place| format!("; driven at {place}"));
     let when = if outcomes.len() > 1 { "after both banks were loaded: " } else { "" };
-    Err(Error::message(format!("{when}{difference}{driver}; waveform {}", waveform.display())))
+    let found = format!("{when}{difference}{driver}");
+    // Whoever stops the run here keeps what was found.
+    args.junit.iter().try_for_each(|path| write_junit(path, args, Some(&found), seconds))?;
+    ui.note(format_args!("{found}; compiling once more for its waveform"));
+    let waveform = trial.waveform(&project, args, &outcomes)?;
+    Err(Error::message(format!("{found}; waveform {}", waveform.display())))
 }
 
 fn drive(args: &Args) -> Result<Drive, Error> {
