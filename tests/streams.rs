@@ -194,6 +194,20 @@ fn words_that_seem_to_have_fewer_bits_are_named_and_a_record_is_believed() {
     assert!(run.err.contains(dark) && run.err.contains("as in --bit-depth 12"), "{}", run.err);
     let run = place.edof(&format!("stream all.raw {LINE} --bit-depth 12 --out light.y4m")).done();
     assert!(!run.err.contains(dark), "{}", run.err);
+    let top: Vec<u8> = read(&place, "0.raw")
+        .as_chunks()
+        .0
+        .iter()
+        .flat_map(|value| (u16::from_le_bytes(*value) << 4).to_le_bytes())
+        .collect();
+    place.write("top.raw", &top);
+    let line = "reconstruct top.raw --size 48x32 --weights net.fixed.safetensors --out o.png --black-level";
+    let bits = "every value is a multiple of 16, as of 12 bits at the top of 16, and --black-level 168 is taken as of 16 bits";
+    let told = |options: &str| place.edof(&format!("{line} {options}")).done().err;
+    assert!(told("168").contains(bits), "{}", told("168"));
+    for options in ["2688", "168 --bit-depth 12 --align top"] {
+        assert!(!told(options).contains("every value is"), "{options}");
+    }
     place.photo("photo.png", 48, 32);
     let captured = "capture photo.png --camera clear-mid --psi 1 --bit-depth 12 --phase gbrg --out shot.raw";
     place.edof(captured).done();

@@ -45,6 +45,8 @@ pub enum FrameNote {
     /// A frame without a record is dark, as it is where values of fewer than 16 bits are at the bottom of each word; or
     /// its file states the levels of its light.
     Dim { path: PathBuf, brightest: u16, is_light: bool },
+    /// The values of a frame seem to have so many bits, at the top of 16, and its black level seems to be of as many.
+    FewerBits { path: PathBuf, bits: u32, black: f64 },
     /// Greens of a frame without a record differ as red and blue do.
     OtherPhase { path: PathBuf, phase: CfaPhase },
     /// The network was trained for another lens than took the frame, and is used.

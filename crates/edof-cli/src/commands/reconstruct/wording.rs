@@ -6,6 +6,7 @@ use crate::{lens, weights};
 use edof::job::{FrameNote, JobError};
 use edof_core::camera::Camera;
 use edof_core::frame::FrameError;
+use edof_core::words::number;
 use edof_core::{CfaPhase, Channel, Tone};
 use edof_io::camera_raw::CameraRawError;
 use edof_io::levels::LevelsError;
@@ -136,6 +137,13 @@ impl Wording<'_> {
                 };
                 format!("{}: brightest pixel is {brightest} of 65535; {remedy}", path.display())
             }
+            FrameNote::FewerBits { path, bits, black } => format!(
+                "{}: every value is a multiple of {}, as of {bits} bits at the top of 16, and --black-level {} is taken as of 16 bits; if it is of {bits}, \
+                 state --bit-depth {bits} --align top",
+                path.display(),
+                1 << (16 - bits),
+                number(black)
+            ),
             FrameNote::OtherPhase { path, phase } => {
                 format!("{}: {}", path.display(), of_other_phase(phase))
             }

@@ -82,6 +82,12 @@ impl FrameSource {
     pub(super) fn open(&self, note: &dyn Fn(FrameNote)) -> Result<Taken, JobError> {
         let Found { frame, values, record, rendering, finish, levels, input } = self.find(note)?;
         let (depth, is_light) = (frame.depth(), levels.is_none());
+        let is_stated = record.is_some() || self.options.depth.is_some();
+        if let Some((bits, black)) =
+            levels.filter(|_| !is_stated).and_then(|levels| fewer_bits(&frame, levels))
+        {
+            note(FrameNote::FewerBits { path: self.path.clone(), bits, black });
+        }
         let frame = match (&self.sensor, levels) {
             (Some(sensor), _) => {
                 self.check_values(values)?;
@@ -199,6 +205,17 @@ impl FrameSource {
         }
         Ok(any)
     }
+}
+
+/// Part of full scale below which a black level of 16 bits is lower than sensors have.
+const LOW_BLACK: f64 = 0.01;
+
+/// Returns the bits of a frame whose values of 16 bits end with zeros, and black, if it seems to be stated in those fewer bits.
+fn fewer_bits(frame: &RawFrame, levels: Levels) -> Option<(u32, f64)> {
+    let black = levels.black.values().into_iter().fold(0.0, f64::max);
+    let zeros = frame.pixels().iter().fold(0, |all, value| all | value).trailing_zeros();
+    let is_low = black > 0.0 && black < LOW_BLACK * f64::from(u16::MAX);
+    (frame.depth() == 16 && is_low && (2..=8).contains(&zeros)).then_some((16 - zeros, black))
 }
 
 /// A frame whose words are not the sensor's.
