@@ -178,6 +178,7 @@ fn weights_go_onto_it_and_its_picture_changes_to_theirs(more: &str) {
     wait("a picture", || !picture().is_empty());
     let old = picture();
     let info = board(&place, "info");
+    assert!(info.contains("MHz, simulated line\n"), "{info}");
     assert!(info.contains("design tiny") && info.contains("display tables: srgb"), "{info}");
     board(&place, "set scratch 0x1f");
     assert_eq!(board(&place, "get scratch"), "0x0000001f 31\n");
@@ -262,7 +263,10 @@ fn a_simulated_board_is_exact_and_says_so() {
     // Another network's pictures are rejected by name.
     drawn(&place, "other", 6);
     let other = place.edof("board check other.fixed.safetensors --port board");
-    other.refused(&["bank", "holds none of the networks that fit"]);
+    other.refused(&[
+        "bank",
+        "does not hold other.fixed.safetensors; load it by 'edof board load other.fixed.safetensors'",
+    ]);
 }
 
 /// A network that nobody named is that of the simulation, and the board says so.
@@ -484,12 +488,19 @@ fn a_network_of_encoded_values_brings_the_tables_that_show_them() {
     network.origin.values = Tone::Srgb;
     weight_file::save_fixed(&file, &network).unwrap();
     let _sim = Sim::start(&place, "");
+    let plan = |where_to: &str| {
+        let text =
+            place.edof(&format!("board load new.fixed.safetensors --dry-run --json {where_to}")).done().out;
+        serde_json::from_str::<Value>(&text).unwrap()["tables"][0].as_u64()
+    };
+    assert_eq!((plan("--port board"), plan("--design tiny")), (Some(65_536), None), "words of the tables");
     let load = || place.edof("board load new.fixed.safetensors --port board").done().err;
     let told = "gives srgb values: the display's tables are now those of linear";
     let first = load();
     assert!(first.contains(told), "{first}");
     board(&place, "verify new.fixed.safetensors --curve linear");
     assert!(!load().contains(told), "they are there");
+    assert_eq!(plan("--port board"), None);
     // Who names a curve gets it.
     let named = place.edof("board load new.fixed.safetensors --curve srgb --port board").done().err;
     assert!(!named.contains(told), "{named}");
@@ -502,6 +513,11 @@ fn what_a_load_takes_is_reported_ahead() {
     drawn(&place, "new", 9);
     let sim = Sim::start(&place, "");
     let line = "load new.fixed.safetensors --full";
+    let text = place.edof(&format!("board {line} --dry-run --design tiny")).done().out;
+    assert!(
+        text.contains("if the display's tables change, as from linear to encoded values: 65536 words and "),
+        "{text}"
+    );
     let text = place.edof(&format!("board {line} --dry-run --design tiny --json")).done().out;
     let plan: Value = serde_json::from_str(&text).unwrap();
     board(&place, line);

@@ -127,12 +127,15 @@ fn stand_in(
     Ok(board)
 }
 
-/// Seconds that all of the display's tables take besides, with the circuit's CRCs of them before and after at the calculator's clock, and their
-/// words.
+/// Words of the display's tables that are sent besides, all if nobody knows what is `held`, and their seconds, with the circuit's CRCs of
+/// them before and after at the calculator's clock.
 #[must_use]
-pub fn tables(display: &Display, clock_mhz: f64, baud: u32) -> (u64, f64) {
+pub fn tables(display: &Display, held: Option<&Display>, clock_mhz: f64, baud: u32) -> (u64, f64) {
     let parts = table_parts(display);
-    let words: Vec<(u32, u32)> = parts.iter().flat_map(Part::words).collect();
+    let held = held.map_or_else(Vec::new, table_parts);
+    let is_sent = |(index, part): &(usize, &Part)| held.get(*index).is_none_or(|held| held.crc != part.crc);
+    let sent = parts.iter().enumerate().filter(is_sent);
+    let words: Vec<(u32, u32)> = sent.flat_map(|(_, part)| part.words()).collect();
     let frames = frames(&words, MAX_WORDS).len();
     let bytes = 4 * words.len() + frames * (2 * protocol::HEADER + 8);
     let rows: usize = parts.iter().map(|part| part.rows.len()).sum();

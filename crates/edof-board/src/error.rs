@@ -1,5 +1,6 @@
 //! What can go wrong between a host and a board.
 
+use crate::status::NO_PICTURE;
 use edof_device::design::DesignError;
 use edof_device::i2c::Cause;
 use edof_device::registers::map::{ID, VERSION};
@@ -167,6 +168,9 @@ pub enum Error {
     /// No frame passes the calculator.
     #[error("{port}: no whole frame passes the calculator; 'edof board status' says what comes and goes")]
     NoFrame { port: String },
+    /// No picture was made since the last reset.
+    #[error("{port}: no picture yet, {NO_PICTURE}")]
+    NoPicture { port: String },
     /// A chart that carries no words.
     #[error("{port}: {source}")]
     Grey { port: String, source: GreyError },

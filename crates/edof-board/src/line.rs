@@ -111,6 +111,14 @@ impl Serial {
     }
 }
 
+impl Serial {
+    /// Whether a program is at the other end, whose line has a speed of its own.
+    #[must_use]
+    pub fn is_pseudo_terminal(&self) -> bool {
+        std::fs::canonicalize(&self.name).is_ok_and(|path| path.starts_with("/dev/pts"))
+    }
+}
+
 /// What stands at a path in place of a serial port, none where it may be one.
 fn what_is(path: &str) -> Option<&'static str> {
     match std::fs::metadata(path) {

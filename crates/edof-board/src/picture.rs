@@ -7,6 +7,7 @@ use edof_device::pattern::{TILE, TILE_PIXELS, TILE_SIDE};
 use edof_device::registers::map;
 use ndarray::{Array2, s};
 use std::ops::ControlFlow;
+use std::time::Duration;
 
 /// Words of one exchange on the line.
 const AT_ONCE: usize = 128;
@@ -29,6 +30,20 @@ impl<L: Line> Board<L> {
             self.link.write(map::TILE_PIXELS.word((index * AT_ONCE) as u32), some)?;
         }
         self.link.set(map::PATTERN, TILE)
+    }
+
+    /// Checks that there is a picture, or that a frame for one has come: waits a second for the first.
+    ///
+    /// # Errors
+    /// [`Error::NoPicture`], or a line that fails.
+    pub fn check_picture(&mut self) -> Result<(), Error> {
+        let end = self.line().time() + FIRST_FRAME;
+        while self.named("status.output_runs")? == 0 && self.named("raw_frames")? == 0 {
+            if self.line().time() >= end {
+                return Err(Error::NoPicture { port: self.port() });
+            }
+        }
+        Ok(())
     }
 
     /// The codes of a part of the last picture, whose first pixel is at `row`, `column` and which has so many rows and columns; 0 outside of the picture.
@@ -86,6 +101,9 @@ impl<L: Line> Board<L> {
         Err(Error::NoFrame { port: self.port() })
     }
 }
+
+/// Within this time the first frame comes, where there is a source.
+const FIRST_FRAME: Duration = Duration::from_secs(1);
 
 /// Looks for a picture before it is given up.
 const MAX_LOOKS: usize = 20_000;

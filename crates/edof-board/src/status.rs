@@ -10,6 +10,10 @@ use edof_network::fixed_network::layer_names;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
+/// What a board without a picture shows, and what it needs.
+pub const NO_PICTURE: &str =
+    "the screen is black; a frame must come first, from the source or by 'edof board picture put'";
+
 /// All registers at a moment, and the counters of the stages since the look before.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct StatusSnapshot {

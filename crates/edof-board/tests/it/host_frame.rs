@@ -1,7 +1,7 @@
 //! A raw frame over a line that loses, doubles and changes bytes, by hosts that end, to a board that is reset: what the calculator reads is that frame,
 //! and the next put resumes.
 
-use crate::common::{board, frames, network, open, small, tiny};
+use crate::common::{BAUD, board, frames, network, open, small, tiny};
 use edof_board::faulty::{Fault, Faulty, Kind};
 use edof_board::host_frame::{Put, line_time_of};
 use edof_board::link::PATIENCE;
@@ -13,10 +13,12 @@ use edof_core::{CfaPhase, RawFrame};
 use edof_device::Design;
 use edof_device::design::FrameSize;
 use edof_device::host_frame::block_lines;
+use edof_device::registers::map::{ID, VERSION};
 use edof_golden::{Display, Golden};
 use edof_network::FixedNetwork;
 use ndarray::Array2;
 use std::ops::ControlFlow;
+use std::time::Duration;
 
 /// Four blocks of 23 lines.
 const WIDTH: usize = 96;
@@ -198,4 +200,56 @@ fn no_fault_of_100_on_the_line_is_lost() {
 #[ignore = "minutes: scripts/soak.sh"]
 fn no_fault_of_5000_on_the_line_is_lost() {
     survive_all(1_000..6_000);
+}
+
+/// A board that no frame has reached: every register but those of its identity reads 0.
+struct Black {
+    answer: Vec<u8>,
+    time: Duration,
+}
+
+impl Line for Black {
+    fn name(&self) -> &str {
+        "black"
+    }
+
+    fn baud(&self) -> u32 {
+        BAUD
+    }
+
+    fn time(&self) -> Duration {
+        self.time
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> std::io::Result<()> {
+        self.time += Duration::from_millis(1);
+        if let [2, count, rest @ ..] = bytes {
+            let identity = if rest == [0; 4] { vec![ID, VERSION] } else { vec![] };
+            let words = identity.into_iter().chain(std::iter::repeat(0)).take((*count).into());
+            self.answer.extend(words.flat_map(u32::to_be_bytes));
+        }
+        Ok(())
+    }
+
+    fn receive(&mut self, max: usize, patience: Duration) -> std::io::Result<Vec<u8>> {
+        if self.answer.is_empty() {
+            self.time += patience;
+        }
+        Ok(self.answer.drain(..max.min(self.answer.len())).collect())
+    }
+}
+
+#[test]
+fn a_board_that_no_frame_reached_has_no_picture_after_a_second() {
+    let mut board = open(Black { answer: vec![], time: Duration::ZERO });
+    let error = board.check_picture().unwrap_err().to_string();
+    assert!(error.contains("no picture yet, the screen is black; a frame must come first"), "{error}");
+    assert!(board.line().time() < Duration::from_secs(5), "{:?}", board.line().time());
+}
+
+#[test]
+fn a_board_with_frames_has_a_picture() {
+    let design = small(tiny());
+    let mut simulated = board(&design, &network(&design, 1));
+    open(&mut simulated).check_picture().unwrap();
 }

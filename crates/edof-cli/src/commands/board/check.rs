@@ -36,7 +36,7 @@ pub struct Args {
     #[arg(long, default_value_t = 10, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: u32,
 
-    /// Pattern: ramp, chart or noise [default: all three, one after the other]
+    /// Pattern: ramp, chart, noise, zeros, ones or alternating [default: all six, one after the other]
     #[arg(long, value_name = "PATTERN")]
     pattern: Option<Pattern>,
 }
@@ -121,21 +121,22 @@ fn network_of(
     memories: &Memories,
     (bank, named): (Set, Option<&str>),
 ) -> Result<FixedNetwork, Error> {
-    let named = named.map(weights::fixed).transpose()?;
-    if let Some(network) = &named {
-        fits(design, network)?;
-    }
-    let candidates = match named {
-        Some(network) => vec![network],
+    let candidates = match named.map(weights::fixed).transpose()? {
+        Some(network) => {
+            fits(design, &network)?;
+            vec![network]
+        }
         None => known(design, &[]),
     };
     let found = memories.network(design, &candidates, bank);
     found.and_then(|index| candidates.into_iter().nth(index)).ok_or_else(|| {
-        Error::message(format!(
-            "{}: bank {} holds none of the networks that fit; name its file, or load one by 'edof board load'",
-            board.port(),
-            letter(bank)
-        ))
+        let why = match named {
+            Some(name) => format!("does not hold {name}; load it by 'edof board load {name}'"),
+            None => "holds none of the networks that come with edof; name the file of yours, as in 'edof board check FILE' and \
+                     'edof board picture compare RAW --weights FILE'"
+                .to_owned(),
+        };
+        Error::message(format!("{}: bank {} {why}", board.port(), letter(bank)))
     })
 }
 

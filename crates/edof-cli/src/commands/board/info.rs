@@ -46,7 +46,11 @@ pub fn run(args: &super::Args, info: &Info, ui: &Ui) -> Result<(), Error> {
     ui.say(format!("design {name} ({:08x}), {}x{}", identity.design_hash, identity.width, identity.height))?;
     let clock = design.as_ref().map(|design| design.clock_mhz);
     let told = clock.map_or("an unknown clock".to_owned(), |mhz| format!("{mhz} MHz"));
-    ui.say(format!("calculator at {told}, line {} bits per second", board.line().baud()))?;
+    let line = match board.line().is_pseudo_terminal() {
+        true => "simulated line".to_owned(),
+        false => format!("line {} bits per second", board.line().baud()),
+    };
+    ui.say(format!("calculator at {told}, {line}"))?;
     let in_use = board.bank()?;
     let sets = design.as_ref().map_or(2, |design| design.sets);
     let banks = &[Set::First, Set::Second][..sets];

@@ -138,30 +138,41 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
         let design = args.named_design()?;
         let design = design.ok_or_else(|| Error::message("--dry-run: without --port it needs --design"))?;
         let bank = target(&design, load.bank, Set::First);
-        return plan(args, load, &job(&design, &[]), bank, None, ui);
+        return plan(args, &job(&design, &[]), (bank, None), (load.curve, None), ui);
     }
     let mut board = args.open()?;
     let design: Design = args.design_of(&board)?;
     fits(&design, &network)?;
     let known = known(&design, &[]);
     let job = job(&design, &known);
+    let before = values_in_use(&board, &design, &known);
     if load.dry_run {
-        let bank = target(&design, load.bank, board.bank()?);
+        let in_use = board.bank()?;
+        let bank = target(&design, load.bank, in_use);
         let wanted = parts(&design, &network, bank);
         let bar = ui.progress(0, ROWS);
         let held = board.crcs(&wanted.iter().collect::<Vec<_>>(), &mut watched(&bar)).map_err(of)?;
         drop(bar);
-        return plan(args, load, &job, bank, Some(&held), ui);
+        let switches = design.sets().len() == 1 || load.bank.is_none() || bank == in_use;
+        let curve = match load.curve {
+            None if switches => needed(&mut board, &network, before, ui)?,
+            given => given,
+        };
+        let of_tables = if curve.is_some() { curve_of(&mut board, ui)? } else { None };
+        return plan(args, &job, (bank, Some(&held)), (curve, of_tables), ui);
     }
-    let before = values_in_use(&board, &design, &known);
     let start = Instant::now();
-    let (bar, mut words) = (ui.progress(0, "words"), 0);
+    let (mut bar, mut words, mut begun) = (ui.progress(0, "words"), 0, false);
     let loaded = board.load(&job, &mut |done, total| {
+        if done > 0 && !begun {
+            // The time that CRCs took before says nothing about words.
+            (bar, begun) = (ui.progress(total, "words"), true);
+        }
         words = total;
         bar.of(done, total);
         interrupt::flow()
     });
-    let loaded = loaded.map_err(|error| stopped(error, &design, ui))?;
+    let loaded = loaded.map_err(|error| stopped(error, &design, begun, ui))?;
     bar.of(words, words);
     drop(bar);
     let in_use = loaded.in_use == loaded.bank;
@@ -202,10 +213,16 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
     ui.json(&json!({ "loaded": loaded, "seconds": seconds, "repeats": board.repeats() }))
 }
 
-/// A failure of a load; of one that broke off it is said how the board is now.
-fn stopped(error: edof_board::Error, design: &Design, ui: &Ui) -> Error {
+/// A failure of a load; of one that broke off, perhaps before it had begun, it is said how the board is now.
+fn stopped(error: edof_board::Error, design: &Design, begun: bool, ui: &Ui) -> Error {
     use edof_board::Error::{Interrupted, Noisy, Port, Silent};
-    if matches!(error, Interrupted | Noisy { .. } | Port { .. } | Silent { .. }) {
+    if matches!(error, Interrupted) && !begun {
+        ui.note(if design.sets == 1 {
+            "no word of the network was written, but the board makes no frames until a load is complete; load again"
+        } else {
+            "no word of the network was written: both banks hold what they held"
+        });
+    } else if matches!(error, Interrupted | Noisy { .. } | Port { .. } | Silent { .. }) {
         ui.note(if design.sets == 1 {
             "the load is not complete, and the board has one set of weights: it makes no frames until a load is complete; load again"
         } else {
@@ -244,14 +261,19 @@ fn needed(
         return Ok(None);
     }
     let found = curve_of(board, ui)?;
-    let wanted = match network.origin.values {
-        Tone::Linear => Curve::Srgb,
-        // Such values are sRGB's codes already.
-        Tone::Srgb => Curve::Linear,
-    };
+    let wanted = shown_by(network);
     let straight = |curve: &Curve| *curve == Curve::Linear;
     let found = found.and_then(|name| of_curve(name).ok());
     Ok(found.filter(|found| straight(found) != straight(&wanted)).map(|_| wanted))
+}
+
+/// The curve of the tables that show a network's values.
+const fn shown_by(network: &FixedNetwork) -> Curve {
+    match network.origin.values {
+        Tone::Linear => Curve::Srgb,
+        // Such values are sRGB's codes already.
+        Tone::Srgb => Curve::Linear,
+    }
 }
 
 /// Rates of lines that a bridge may have, and what a load takes on them.
@@ -259,10 +281,9 @@ const RATES: [u32; 3] = [115_200, 460_800, 921_600];
 
 fn plan(
     args: &super::Args,
-    load: &Load,
     job: &Job<'_>,
-    bank: Set,
-    held: Option<&[u32]>,
+    (bank, held): (Set, Option<&[u32]>),
+    (curve, of_tables): (Option<Curve>, Option<&str>),
     ui: &Ui,
 ) -> Result<(), Error> {
     let own = args.baud_of(job.design);
@@ -288,9 +309,20 @@ fn plan(
         ui.say(format!("{seconds:.2} s at {baud}"))?;
         rates.push(json!({ "baud": baud, "seconds": seconds }));
     }
-    let tables = load.curve.map(|curve| dry_run::tables(&display(curve), job.design.clock_mhz, own));
+    let besides = |curve, held: Option<&str>| {
+        dry_run::tables(&display(curve), held.map(display_of).as_ref(), job.design.clock_mhz, own)
+    };
+    let tables = curve.map(|curve| besides(curve, of_tables));
     if let Some((words, seconds)) = tables {
-        ui.say(format!("display tables: {words} words, {seconds:.2} s"))?;
+        let all = plan.seconds + seconds;
+        ui.say(format!("display tables besides: {words} words, {seconds:.2} s; {all:.2} s in all at {own}"))?;
+    } else if held.is_none() {
+        // Nobody knows what the board's tables are for.
+        let other = if shown_by(job.network) == Curve::Linear { Curve::Srgb } else { Curve::Linear };
+        let (words, seconds) = besides(shown_by(job.network), Some(name_of(other)));
+        ui.say(format!(
+            "if the display's tables change, as from linear to encoded values: {words} words and {seconds:.2} s more at {own}"
+        ))?;
     }
     ui.json(&json!({ "plan": plan, "other_rates": rates, "tables": tables }))
 }

@@ -57,9 +57,9 @@ enum What {
         /// Picture file: .png, .tif, .ppm
         out: PathBuf,
 
-        /// Pixels to read, the width even: 0.2 s per 64 x 64
-        #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size, default_value = "64x64")]
-        size: (usize, usize),
+        /// Pixels to read, the width even: 0.2 s per 64 x 64 [default: 64x64, or what the frame has of them]
+        #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
+        size: Option<(usize, usize)>,
 
         /// Column and row of the first pixel, the column even
         #[arg(long, value_name = "COLUMN,ROW", value_parser = place, default_value = "0,0")]
@@ -135,24 +135,29 @@ pub fn run(args: &super::Args, picture: &Args, ui: &Ui) -> Result<(), Error> {
                 Some(_) => put_frame(&mut board, &put, &mut step, ui),
             }
         }
-        What::Get { out, at: (column, row), size: (width, height) } => {
-            if width % 2 == 1 || *width == 0 || *height == 0 {
+        What::Get { out, at: (column, row), size } => {
+            let (whole_width, whole_height) = (board.identity.width as usize, board.identity.height as usize);
+            let rest = |whole: usize, from: usize| whole.saturating_sub(from).clamp(1, TILE_SIDE);
+            let (width, height) =
+                size.unwrap_or((rest(whole_width, *column).max(2), rest(whole_height, *row)));
+            if width % 2 == 1 || width == 0 || height == 0 {
                 return Err(Error::message(format!(
                     "--size {width}x{height}: must be an even width and a height, 2x1 at least"
                 )));
             }
-            let (whole_width, whole_height) = (board.identity.width as usize, board.identity.height as usize);
             if column + width > whole_width || row + height > whole_height {
                 return Err(Error::message(format!(
                     "--size {width}x{height}: reaches out of the board's frame of {whole_width}x{whole_height}; state a smaller --size, or another --at"
                 )));
             }
-            let codes = board.get_codes((*row, *column), (*height, *width), &mut step).map_err(of)?;
+            board.check_picture().map_err(of)?;
+            let codes = board.get_codes((*row, *column), (height, width), &mut step).map_err(of)?;
             photo::save(out, &of_codes(&codes).shown_frame(), 8)?;
             ui.say(format!("{width}x{height} pixels from column {column}, row {row} in {}", out.display()))?;
             ui.json(&json!({ "out": out, "column": column, "row": row }))
         }
         What::Compare { raw, size, put_at, at, weights } => {
+            board.check_picture().map_err(of)?;
             let design = args.design_of(&board)?;
             let (network, display) = in_use(&mut board, &design, weights.as_deref(), ui)?;
             let golden = Golden::new(network)?;

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::interrupt;
 use crate::ui::Ui;
 use edof_board::diagnosis::{Finding, findings};
-use edof_board::status::{Report, StatusSnapshot, report};
+use edof_board::status::{NO_PICTURE, Report, StatusSnapshot, report};
 use edof_core::words::number;
 use edof_device::registers::map::register;
 use std::io::IsTerminal;
@@ -138,8 +138,7 @@ fn calculator(now: &StatusSnapshot, report: &Report, clock_mhz: f64) -> String {
 
 fn pictures(now: &StatusSnapshot, report: &Report) -> String {
     if now.value("status.output_runs") == 0 {
-        return "pictures: NONE YET, the screen is black; a frame must come first, from the source or by 'edof board picture put'"
-            .to_owned();
+        return format!("pictures: NONE YET, {NO_PICTURE}");
     }
     let (made, shown) = (report.frames_per_second, report.screen_frames_per_second);
     let late = match report.late_frames {
