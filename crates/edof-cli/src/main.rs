@@ -115,7 +115,7 @@ Examples:
 
  Somebody with an open board: from a ULX3S to a picture (docs/ulx3s.md)
   edof generate --design ulx3s --weights edof-t3w12c96-clear-light --out build/ulx3s
-  make -C build/ulx3s bitstream prog                 with Yosys and nextpnr, 25 minutes
+  make -C build/ulx3s bitstream prog                 with Yosys and nextpnr, 24 to 33 minutes
   edof board selftest edof-t3w12c96-clear-light --design ulx3s
 
  Somebody with a KC705: from the board to a picture (docs/bring-up.md)
