@@ -135,7 +135,29 @@ fn a_stopped_training_says_how_to_continue() {
 }
 
 #[test]
-fn a_second_request_ends_the_program_where_it_is() {
+fn a_training_that_is_told_twice_at_once_keeps_its_steps() {
+    let place = ready();
+    std::fs::create_dir(place.path("small")).unwrap();
+    place.photo("small/a.png", 320, 288);
+    let line = "train --form edof-t4w12 --camera clear --images small --photos all --depths 2 --batch 8 --steps 100000000 --out x.safetensors";
+    let mut child = place.command(line).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    while !place.path("x.safetensors.checkpoint").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "ended without a checkpoint");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    // As timeout does: to the program, and to its group.
+    let id = child.id();
+    let twice = format!("kill -TERM {id}; kill -TERM {id}; kill -CONT {id}");
+    assert!(Command::new("sh").args(["-c", &twice]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(said.contains("checkpoint at step ") && !said.contains("checkpoint at step 0;"), "{said}");
+}
+
+#[test]
+fn a_program_that_is_told_twice_ends() {
     let place = ready();
     let mut child = place.command(JOBS[1]).stderr(Stdio::null()).spawn().unwrap();
     listens(&mut child);

@@ -1,5 +1,5 @@
 //! Ctrl-C and termination: work polls a flag and leaves its files whole. What does not come to its next look in time is ended
-//! where it is; a second Ctrl-C ends at once. Either way no unfinished file stays. A file that grows past the system's limit is a failed
+//! where it is; a second request changes nothing. Either way no unfinished file stays. A file that grows past the system's limit is a failed
 //! write like any other.
 
 use crate::error::Error;
@@ -32,10 +32,11 @@ pub fn install() -> Result<(), Error> {
     Ok(())
 }
 
-/// Asks the work to stop, and ends the program if it does not in time.
+/// Asks the work to stop, and ends the program if it does not in time. `timeout` and terminals send one request twice, to the program and to its
+/// group: the second must not take the time to write a checkpoint away.
 fn stop() {
     if STOP.swap(true, Ordering::SeqCst) {
-        end();
+        return;
     }
     let late = || {
         std::thread::sleep(GRACE);
