@@ -17,7 +17,7 @@ impl Demo {
         let mut report = Report::new("Extended depth of field: one scene, four depths");
         report.verdict(&self.verdict());
         if let Some(remark) = remark {
-            report.paragraph(&format!("On other scenes: {remark}."));
+            report.paragraph(&format!("On photographs: {remark}."));
         }
         report.figures(&[self.figure_by_depth()?], Layout::Wide);
         report.paragraph(&format!(
@@ -134,7 +134,7 @@ mod tests {
         let html = demo.report("edof demo --scene chart", Some("a clear lens is ahead")).unwrap().to_html();
         assert_eq!(html.matches("<figure>").count(), 1 + 3 + 4 * 3);
         assert!(html.contains("<span>edof demo</span> <span>--scene chart") && html.contains("ring-outer"));
-        assert!(html.find("class=\"verdict\"") < html.find("On other scenes: a clear lens is ahead."));
+        assert!(html.find("class=\"verdict\"") < html.find("On photographs: a clear lens is ahead."));
         assert!(html.find("class=\"verdict\"") < html.find("<h2>"));
         let columns = crate::pictures::table(&demo.pictures).header.len() - 2;
         assert_eq!(html.matches("class=\"n best\"").count(), columns, "one cell of each but name and time");

@@ -275,26 +275,26 @@ pub fn answer(pictures: &[Picture]) -> String {
     let plain = rival.and_then(|rival| best(&|p| p.lens == rival.lens && p.treatment != rival.treatment));
     let network = plain.zip(rival).map(|(plain, rival)| {
         let gain = db(rival) - db(plain);
-        let word = if gain > MATTERS_DB { "yes" } else { "no" };
-        format!("The network: {word}, {gain:+.1} dB against {} behind the {}. ", plain.treatment, plain.lens)
+        let word = if gain > MATTERS_DB { "Use the network" } else { "No network is needed" };
+        format!("{word}: {gain:+.1} dB against {} behind the {}. ", plain.treatment, plain.lens)
     });
     let mask = rival.map(|rival| {
         let worst = |p: &Picture| p.psi_db.iter().map(|d| d[1]).fold(f64::INFINITY, f64::min);
         let (average, worst) = (db(ours) - db(rival), worst(ours) - worst(rival));
         let word = match (average > -MATTERS_DB, worst > MATTERS_DB) {
-            (true, true) => "yes",
-            (false, true) => "only if the worst depth counts",
-            (_, false) if average > MATTERS_DB => "only if the average counts",
-            (_, false) => "no",
+            (true, true) => "ahead",
+            (false, true) => "ahead only if the worst depth counts",
+            (_, false) if average > MATTERS_DB => "ahead only if the average counts",
+            (_, false) => "not ahead",
         };
         format!(
-            "The mask: {word}, {average:+.1} dB on average and {worst:+.1} dB at the worst depth against the {}, {}. \
-             Other scenes and light: edof optics advise. ",
+            "The mask, in this scene and light: {word}, {average:+.1} dB on average and {worst:+.1} dB at the worst depth against the {}, {}. \
+             Other scenes and light decide anew: edof optics advise. ",
             rival.lens, rival.treatment
         )
     });
     match (network, mask) {
-        (network, Some(mask)) => format!("In this scene and light. {}{mask}", network.unwrap_or_default()),
+        (network, Some(mask)) => network.unwrap_or_default() + &mask,
         _ => String::new(),
     }
 }
@@ -392,16 +392,17 @@ mod tests {
             answer(&pictures)
         };
         let yes = told(30.0, 34.0, 34.1, 35.0);
-        assert!(yes.contains("The network: yes, +4.0 dB against demosaiced behind the clear. "), "{yes}");
+        assert!(yes.starts_with("Use the network: +4.0 dB against demosaiced behind the clear. "), "{yes}");
         let mask = |told: String| {
-            told.split_once("The mask: ").unwrap().1.split_once(", +").map(|(word, _)| word.to_owned())
+            let (_, mask) = told.split_once("The mask, in this scene and light: ").unwrap();
+            mask.split_once(", +").map(|(word, _)| word.to_owned())
         };
-        assert_eq!(mask(told(30.0, 34.0, 34.5, 34.4)).as_deref(), Some("yes"));
-        assert_eq!(mask(told(30.0, 34.0, 34.5, 34.1)).as_deref(), Some("only if the average counts"));
+        assert_eq!(mask(told(30.0, 34.0, 34.5, 34.4)).as_deref(), Some("ahead"));
+        assert_eq!(mask(told(30.0, 34.0, 34.5, 34.1)).as_deref(), Some("ahead only if the average counts"));
         let no = told(34.0, 34.1, 33.0, 32.0);
         assert!(
-            no.contains("The network: no, +0.1 dB")
-                && no.contains("The mask: no, -1.1 dB on average and -2.1 dB at"),
+            no.starts_with("No network is needed: +0.1 dB")
+                && no.contains("light: not ahead, -1.1 dB on average and -2.1 dB at"),
             "{no}"
         );
     }
