@@ -46,7 +46,7 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     pub(super) images: Vec<PathBuf>,
 
-    /// Photographs of the folder to use: train, all, or numbers as in 1,2 [default: all except the study's test photographs]
+    /// Photographs of each folder to use: train, all, or numbers as in 1,2 [default: all except the study's test photographs]
     #[arg(long)]
     pub(super) photos: Option<Selection>,
 
@@ -125,7 +125,7 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     pub(super) steps: Option<u64>,
 
-    /// Stop after N minutes, at any step of the schedule; a shorter schedule (--steps) that takes as long gives a better network
+    /// Stop after N minutes of steps, at any step of the schedule; blurring the photographs before is not counted. A shorter schedule (--steps) that takes as long gives a better network
     #[arg(long, value_parser = minutes, value_name = "N")]
     pub(super) minutes: Option<Duration>,
 

@@ -8,16 +8,24 @@ use serde_json::{Value, json};
 /// One validation in a line.
 pub(super) fn summary(validation: &Validation, best: Best) -> String {
     let worst = validation.worst().map_or(f64::NAN, |w| w.1);
-    let non_zeros = |noisy| numbers(&validation.non_zeros(noisy), 0);
     let kept = if best.within_budget { "" } else { ", over budget" };
     format!(
-        "best {:.2} dB{kept}; now {:.2}, worst {worst:.2}, non-zeros {} busy, {} noisy, {} clean",
+        "best {:.2} dB{kept}; now {:.2}, worst {worst:.2}, non-zeros {}",
         best.db,
         validation.db(),
-        numbers(&validation.busy_non_zeros(), 0),
-        non_zeros(true),
-        non_zeros(false)
+        non_zeros(validation, 0)
     )
+}
+
+/// Mean non-zeros after each shrinkage, with N digits, of every kind of window that was validated.
+pub(super) fn non_zeros(validation: &Validation, digits: usize) -> String {
+    let kinds = [
+        (validation.busy_non_zeros(), "where scenes are busiest"),
+        (validation.non_zeros(true), "with noise"),
+        (validation.non_zeros(false), "without noise"),
+    ];
+    let known = kinds.iter().filter(|(values, _)| !values.is_empty());
+    known.map(|(values, which)| format!("{} {which}", numbers(values, digits))).collect::<Vec<_>>().join(", ")
 }
 
 /// One validation as data.
@@ -48,6 +56,6 @@ pub(super) fn levels(validation: &Validation, trainer: &Trainer<'_>) -> Value {
 }
 
 /// Numbers with N digits, parted by blanks.
-pub(super) fn numbers(values: &[f64], digits: usize) -> String {
+fn numbers(values: &[f64], digits: usize) -> String {
     values.iter().map(|v| format!("{v:.digits$}")).collect::<Vec<_>>().join(" ")
 }

@@ -2,10 +2,11 @@
 
 use super::options::Args;
 use super::photographs::{Photograph, folders};
-use super::progress::{levels, numbers};
+use super::progress::{levels, non_zeros};
 use super::seed::Trained;
 use crate::error::Error;
 use crate::ui::Ui;
+use edof_core::noise::SensorNoise;
 use edof_core::words::count;
 use edof_core::{Noise, Tone};
 use edof_network::network::Network;
@@ -81,22 +82,27 @@ fn tell_validation(
     ui.say("validation  tone    noise               dB")?;
     for row in rows(validation, trainer, photographs) {
         let db = row.db.map_or("-".to_owned(), |db| format!("{db:.2}"));
-        ui.say(format!("{:10}  {:6}  {:14}  {db:>6}", row.folder, row.tone, row.noise.to_string()))?;
+        ui.say(format!("{:10}  {:6}  {:14}  {db:>6}", row.folder, row.tone, in_words(row.noise)))?;
     }
     if let Some((at, db)) = validation.worst() {
         let (psi, tone) = (trainer.psi(at.place.psi), trainer.recipe().tone);
         ui.say(format!(
             "worst: {db:.2} dB at psi {psi}, noise {}, {tone} (mean over photographs)",
-            at.noise
+            in_words(at.noise)
         ))?;
     }
-    let (clean, noisy) = (validation.non_zeros(false), validation.non_zeros(true));
-    ui.say(format!(
-        "non-zeros after each shrinkage: {} where scenes are busiest, {} without noise, {} with",
-        numbers(&validation.busy_non_zeros(), 1),
-        numbers(&clean, 1),
-        numbers(&noisy, 1)
-    ))
+    ui.say(format!("non-zeros after each shrinkage: {}", non_zeros(validation, 1)))
+}
+
+/// A noise with a gain of few digits.
+fn in_words(noise: Noise) -> String {
+    match noise {
+        Noise::Sensor(sensor) => {
+            let gain = (1e3 * sensor.gain).round() / 1e3;
+            Noise::Sensor(SensorNoise { gain, ..sensor }).to_string()
+        }
+        other => other.to_string(),
+    }
 }
 
 /// One line of the validation's table.
