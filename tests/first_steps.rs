@@ -143,7 +143,7 @@ fn a_capture_states_its_light_and_a_depth_outside_of_the_cameras_range() {
     place.photo("photo.png", 64, 48);
     let line = "capture photo.png --camera clear-mid --noise sensor:full-well=6000:gain=2 --out raw.png";
     let run = place.edof(&format!("{line} --psi 9")).done();
-    assert!(run.out.contains("white has 3000 electrons; that is gain 3.333 for edof train"), "{}", run.out);
+    assert!(run.out.contains("white has 3000 electrons; that is --gain 3.333 of edof train"), "{}", run.out);
     assert!(run.err.contains("psi 9.00: is outside of clear-mid's range, 0.00 to 8.00"), "{}", run.err);
     assert!(!place.edof(&format!("{line} --psi 8")).done().err.contains("is outside"));
     // Without --psi, the figures are of the whole range of a camera.

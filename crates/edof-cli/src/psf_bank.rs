@@ -9,7 +9,8 @@ use std::path::PathBuf;
 /// Options of a PSF bank.
 #[derive(clap::Args)]
 pub struct BankOptions {
-    /// PSF bank in place of the camera's computed PSFs: an NPZ, NPY or safetensors file with the arrays psi and psf (docs/your-own-lens.md)
+    /// PSF bank in place of the camera's computed PSFs: an NPZ or safetensors file with the arrays psi and psf, or X-psf.npy, which has X-psi.npy
+    /// beside it (docs/your-own-lens.md)
     #[arg(long, value_name = "FILE")]
     pub psf_bank: Option<PathBuf>,
 

@@ -108,7 +108,8 @@ pub struct Args {
 
     /// Noise: none, the standard deviation of Gaussian noise in units of full scale, or sensor, the photon and read noise of
     /// a sensor (10000 electrons of full well, 2.5 of read noise, gain 1 unless said otherwise, as in
-    /// sensor:full-well=6000:read-noise=1.8:gain=4). White has full-well/gain electrons; --gain of edof train and edof stream is 10000 divided by them
+    /// sensor:full-well=6000:read-noise=1.8:gain=4). White has full-well/gain electrons; --gain of edof train, reconstruct and stream is 10000 divided by them: 6000 electrons of full
+    /// well at 6 dB are sensor:full-well=6000:gain=2 here, --gain 3.33 there
     #[arg(long, default_value_t = Noise::None, value_name = "NOISE", allow_hyphen_values = true)]
     noise: Noise,
 
@@ -198,7 +199,7 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     psf_bank::remark(&jobs[0].camera, ui);
     if let Noise::Sensor(sensor) = jobs[0].sensor.noise {
         ui.say(format!(
-            "noise: white has {} electrons; that is gain {} for edof train and edof stream",
+            "noise: white has {} electrons; that is --gain {} of edof train, reconstruct and stream",
             number(sensor.full_scale_e().round()),
             number((1e3 * sensor.reference_gain()).round() / 1e3)
         ))?;

@@ -221,16 +221,17 @@ pub fn run(args: Args, ui: &Ui) -> Result<(), Error> {
     psf_numbers(&camera, &own)?.save(&files[3])?;
     mtf_numbers(&camera, &own)?.save(&files[4])?;
     ui.say(format!(
-        "{}: F/{:.2}, figures in {}; of red, green and blue:",
+        "{}: F/{:.2}, figures in {}; of red, green and blue, contrast at a quarter of green's cut-off, {:.0} cycles/mm:",
         camera.name,
         camera.f_number(),
-        args.out.display()
+        args.out.display(),
+        0.25 * green_cutoff_per_mm(&camera)
     ))?;
     for d in &depths {
         let [r, g, b] = d.contrast_quarter_cutoff;
         let metres = d.distance_m.map_or(String::new(), |m| format!(", {m:.2} m"));
         ui.say(format!(
-            "  psi {:5.2}{metres}: contrast at a quarter of the cut-off {r:6.3} {g:6.3} {b:6.3}, kernels of {:?} pixels a side",
+            "  psi {:5.2}{metres}: contrast {r:6.3} {g:6.3} {b:6.3}, kernels of {:?} pixels a side",
             d.psi, d.kernel_side
         ))?;
     }

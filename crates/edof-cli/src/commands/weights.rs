@@ -11,6 +11,7 @@ use edof::presets::PresetError;
 use edof_core::Tone;
 use edof_core::number::OUTPUT_FRACTION;
 use edof_core::storage::provenance::Provenance;
+use edof_core::words::number;
 use edof_device::design::memory;
 use edof_device::registers::word_file::WordFormat;
 use edof_network::fixed_network::{FixedMatrix, layer_names};
@@ -260,7 +261,7 @@ fn layers(network: &FixedNetwork) -> Vec<Layer> {
 
 fn tell_origin(origin: &Origin, ui: &Ui) -> Result<(), Error> {
     let camera = &origin.camera;
-    let [low, high] = camera.psi_range;
+    let [low, high] = camera.psi_range.map(number);
     ui.say(format!("{}: trained for the camera {}, psi {low} to {high}", origin.name, camera.name))?;
     for condition in &origin.conditions {
         ui.say(format!("  light: {}, noise {}", condition.tone, condition.noise_in_words()))?;

@@ -192,9 +192,10 @@ pub fn in_words(file: &Path) -> Option<String> {
     Some(format!("the network {} ({}), {trained}", origin.name, form::words(&form)))
 }
 
-/// Where a network may lie: a file of that name, or one under `weights/`.
+/// Where a network may lie: a file of that name, or one under `weights/`, where a name without an ending gets one.
 fn places(name_or_path: &str, suffix: &str) -> [PathBuf; 2] {
-    [name_or_path.into(), Path::new("weights").join(format!("{name_or_path}{suffix}"))]
+    let ending = if name_or_path.ends_with(".safetensors") { "" } else { suffix };
+    [name_or_path.into(), Path::new("weights").join(format!("{name_or_path}{ending}"))]
 }
 
 fn find(name_or_path: &str, suffix: &str) -> Result<(PathBuf, Vec<u8>), PresetError> {

@@ -165,7 +165,7 @@ fn of_closed(advice: &Advice, light: Light) -> String {
     let gain = number((1e3 * gain.max(1.0)).round() / 1e3);
     let left = number((light.electrons / advice.advised.stops.exp2()).round());
     format!(
-        "White has {left} electrons behind that aperture: capture it by --noise sensor:read-noise={}:gain={gain}; gain {gain} for edof train and edof stream.",
+        "White has {left} electrons behind that aperture: capture it by --noise sensor:read-noise={}:gain={gain}; --gain {gain} of edof train, reconstruct and stream.",
         number(light.read_noise_e)
     )
 }
