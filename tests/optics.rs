@@ -171,7 +171,9 @@ fn a_bank_that_was_exported_gives_the_same_frame() {
     place.photo("photo.png", 96, 64);
     place.edof("optics ring-outer --psi 0,4,8 --out shown").done();
     let light = |more: &str, out: &str| {
-        let line = format!("capture photo.png --camera ring-outer --no-measure --light {out}.light.png --out {out}.png {more}");
+        let line = format!(
+            "capture photo.png --camera ring-outer --no-measure --light {out}.light.png --out {out}.png {more}"
+        );
         place.edof(&line).done();
         let raw = raw::load(&place.path(&format!("{out}.png")), &RawOptions::default()).unwrap();
         (raw, photo::load(&place.path(&format!("{out}.light.png"))).unwrap())

@@ -57,7 +57,8 @@ pub fn run(
     let golden = Golden::new(network)?;
     let bar = ui.progress(frames.len() as u64, "pictures shown");
     let trip = Trip { screen: design.screen(), golden: &golden, display, frames: &frames, seed: how.seed };
-    let shown = trip.run(&mut board, &mut |number| {
+    let shown = trip.run(&mut board, &mut |number, seconds| {
+        bar.message(format!("{:.0} ms simulated", 1e3 * seconds));
         bar.set(number as u64);
         interrupt::check().map_or(ControlFlow::Break(()), |()| ControlFlow::Continue(()))
     });

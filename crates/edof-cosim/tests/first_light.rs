@@ -167,7 +167,8 @@ fn frames_of(size: FrameSize, count: usize) -> Vec<RawFrame> {
 /// A camera's frames through a board to its screen.
 fn shown(board: &mut FirstLight, golden: &Golden, frames: &[RawFrame], seed: u64) -> Result<Shown, Failure> {
     let screen = first_light::small_screen(&design());
-    Trip { screen, golden, display: &display(), frames, seed }.run(board, &mut |_| ControlFlow::Continue(()))
+    Trip { screen, golden, display: &display(), frames, seed }
+        .run(board, &mut |_, _| ControlFlow::Continue(()))
 }
 
 #[test]
@@ -200,7 +201,7 @@ fn at_full_size(file: &str, right: &str, wrong: &str) -> Result<Shown, Failure> 
     let frames = frames_of(design.frame, 2);
     let (screen, display) = (design.screen(), &display());
     Trip { screen, golden: &golden, display, frames: &frames, seed: 1 }
-        .run(&mut board, &mut |_| ControlFlow::Continue(()))
+        .run(&mut board, &mut |_, _| ControlFlow::Continue(()))
 }
 
 #[test]

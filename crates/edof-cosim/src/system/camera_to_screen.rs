@@ -109,14 +109,14 @@ fn light(raw: &RawFrame) -> Scene {
 
 impl Trip<'_> {
     /// Sends every frame until the screen shows its picture, and compares every pixel of all that it shows meanwhile; of the last one every word by its CRCs. Before each look
-    /// at the screen `each` gets the number of the frame, and may stop it.
+    /// at the screen `each` gets the number of the frame and the simulated seconds, and may stop it.
     ///
     /// # Errors
     /// [`Failure`].
     pub fn run(
         &self,
         board: &mut FirstLight,
-        each: &mut dyn FnMut(usize) -> ControlFlow<()>,
+        each: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
     ) -> Result<Shown, Failure> {
         let draw = &mut Draw::new(self.seed);
         // At once: a set-up without a camera fails, and is tried again a second later.
@@ -152,12 +152,12 @@ impl Trip<'_> {
         (number, picture, before): (usize, &[[u8; 3]], &[[u8; 3]]),
         draw: &mut Draw,
         shown: &mut Shown,
-        each: &mut dyn FnMut(usize) -> ControlFlow<()>,
+        each: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
     ) -> Result<(), Failure> {
         let begin = shown.screen_frames;
         let stop = draw.whole(0, UNTIL_STOP - 1);
         for look in 0..LOOKS {
-            if each(number).is_break() {
+            if each(number, board.seconds()).is_break() {
                 return Err(Error::Interrupted.into());
             }
             shown.stops += usize::from(look == stop);

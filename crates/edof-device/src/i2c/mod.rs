@@ -37,7 +37,9 @@ mod tests {
 
     #[test]
     fn every_step_has_a_meaning_and_every_jump_a_target() {
-        for program in programs(VideoTiming::P1080_60).into_iter().chain([ov7670::program(ov7670::TIMING, [0, 0])]) {
+        for program in
+            programs(VideoTiming::P1080_60).into_iter().chain([ov7670::program(ov7670::TIMING, [0, 0])])
+        {
             assert!(depth(&program) <= 512 && program.len() < depth(&program));
             for entry in &program {
                 assert!(!entry.doc.is_empty());
