@@ -278,7 +278,7 @@ mod tests {
         for psi in [0.0, 4.0, 7.0] {
             let phase = |x: f64, y: f64| {
                 let cubic = 6.0 * (x.powi(3) + y.powi(3));
-                (x * x + y * y <= 1.0).then(|| (psi - camera.focus_psi) * (x * x + y * y) + cubic)
+                (x * x + y * y <= 1.0).then_some((psi - camera.focus_psi) * (x * x + y * y) + cubic)
             };
             let (mut sum, mut light) = (Complex64::new(0.0, 0.0), 0.0);
             for i in -POINTS..=POINTS {

@@ -7,7 +7,7 @@ use crate::interrupt;
 use crate::ui::{Progress, Ui};
 use crate::weights;
 use edof_board::contents::{letter, parts};
-use edof_board::load::{Job, target};
+use edof_board::load::{Job, Loaded, target};
 use edof_board::{Board, Serial, dry_run};
 use edof_core::{DisplayMode, Tone};
 use edof_device::Design;
@@ -191,7 +191,16 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
             name_of(curve)
         ));
     }
-    let seconds = start.elapsed().as_secs_f64();
+    tell(&network, &loaded, (start.elapsed().as_secs_f64(), board.repeats()), ui)
+}
+
+/// Tells what a load did, in how many seconds and with how many frames sent again.
+fn tell(
+    network: &FixedNetwork,
+    loaded: &Loaded,
+    (seconds, repeats): (f64, u64),
+    ui: &Ui,
+) -> Result<(), Error> {
     ui.say(format!(
         "{} in bank {}: {} of {} parts written, {} words of {}, in {seconds:.2} s; bank {} is in use",
         network.origin.name,
@@ -206,11 +215,11 @@ pub fn load(args: &super::Args, load: &Load, ui: &Ui) -> Result<(), Error> {
         ui.note(format!(
             "the line is not clean: {} rounds, {} frames sent again{}",
             loaded.rounds,
-            board.repeats(),
+            repeats,
             if loaded.recovered { ", and registers or words put back" } else { "" }
         ));
     }
-    ui.json(&json!({ "loaded": loaded, "seconds": seconds, "repeats": board.repeats() }))
+    ui.json(&json!({ "loaded": loaded, "seconds": seconds, "repeats": repeats }))
 }
 
 /// A failure of a load; of one that broke off, perhaps before it had begun, it is said how the board is now.
