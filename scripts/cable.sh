@@ -17,7 +17,7 @@ for noise in none sensor; do
     for depth in 12 14 16; do
         for number in 03 06 09 12 15 18 21 24; do
             for psi in 0 4 8; do
-                "$edof" capture "$photos/kodim$number.png" --psi "$psi" --bit-depth "$depth" --noise "$noise" --no-measure \
+                "$edof" capture "$photos/kodim$number.png" --camera ring-outer --psi "$psi" --bit-depth "$depth" --noise "$noise" --no-measure \
                     --out raw.png --video frame.2vuy --values srgb --sharp sharp.png > /dev/null
                 "$edof" reconstruct raw.png --weights edof-t4w12-outer-light --bits 16 --out past.png > /dev/null
                 "$edof" reconstruct --video frame.2vuy --weights edof-t4w12-outer-light --bits 16 --out through.png > /dev/null

@@ -53,7 +53,7 @@ def test_psf_and_otf_are_those_of_the_program(run: Run, tmp_path: Path, camera: 
 def test_capture_gives_the_frame_of_the_program(run: Run, tmp_path: Path, picture: Picture, phase: str) -> None:
     edof.save_picture(tmp_path / "photo.png", picture, curve="linear")
     noise = "sensor:gain=4"
-    run("capture", "photo.png", "--psi", 5, "--phase", phase, "--bit-depth", 12, "--noise", noise, "--seed", 7,
+    run("capture", "photo.png", "--camera", "ring-outer", "--psi", 5, "--phase", phase, "--bit-depth", 12, "--noise", noise, "--seed", 7,
         "--black-level", 64, "--out", "raw.pgm", "-q")  # fmt: skip
     light = edof.decode(edof.load_picture(tmp_path / "photo.png"))
     shot = edof.capture(light, "ring-outer", 5.0, phase=phase, noise=noise, seed=7, black_level=64)
@@ -77,7 +77,7 @@ def test_capture_of_a_depth_map_is_that_of_the_program(run: Run, tmp_path: Path,
     ramp = np.tile(np.linspace(0.0, 1.0, columns, dtype=np.float32), (rows, 1))
     ramp = np.round(ramp * 4.0) / np.float32(4.0)
     edof.save_picture(tmp_path / "map.png", np.stack([ramp] * 3), curve="linear", bits=16)
-    run("capture", "photo.png", "--depth-map", "map.png", "--range", "8:0", "--layers", 5,
+    run("capture", "photo.png", "--camera", "ring-outer", "--depth-map", "map.png", "--range", "8:0", "--layers", 5,
         "--out", "raw.pgm", "-q")  # fmt: skip
     nearness = edof.load_picture(tmp_path / "map.png")[0].astype(np.float64)
     scene = edof.Scene.from_depths(edof.decode(edof.load_picture(tmp_path / "photo.png")), (nearness * 8.0).astype(np.float32), layers=5)

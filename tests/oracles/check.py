@@ -176,12 +176,12 @@ class Checker:
         names = ["raw.png", "frame.2vuy", "alone.2vuy"]
         raw, video, alone = (self.folder / f"{depth}-{name}" for name in names)
         size = ["--size", "80x66", "--phase", phase]
-        self.run("capture", "leaves", *size, "--bit-depth", depth, "--no-measure", "--out", raw, "--video", video)
+        self.run("capture", "leaves", "--camera", "ring-outer", *size, "--bit-depth", depth, "--no-measure", "--out", raw, "--video", video)
         with Image.open(raw) as image:
             words = np.asarray(image).astype(np.int64)
         label = f"cable, {depth} bits, {phase}"
         array = self.folder / f"{depth}-array.npy"
-        self.run("capture", "leaves", *size, "--bit-depth", depth, "--out", array)
+        self.run("capture", "leaves", "--camera", "ring-outer", *size, "--bit-depth", depth, "--out", array)
         self.same(label, "npy", words >> (16 - depth), np.load(array))
         self.same(label, "2vuy", *(np.frombuffer(file, np.uint8) for file in (contract.playout(words), video.read_bytes())))
         alone.write_bytes(video.read_bytes())
