@@ -86,3 +86,38 @@ fn advise_takes_metres_and_closes_the_lens_where_the_range_is_wide() {
         .map(|other| number(&other["cost"]["average_db"]) + number(&other["cost"]["worst_db"]));
     assert!(costs.clone().all(|cost| cost > -0.6) && costs.is_sorted(), "{told}");
 }
+
+#[test]
+fn the_default_lens_is_the_one_that_is_advised_for_photographs() {
+    let place = Place::new();
+    let default = Camera::resolve(edof::presets::lens::DEFAULT).unwrap();
+    for electrons in [1500, 10_000] {
+        place.edof(&format!("optics advise --electrons {electrons} --out advised.json")).done();
+        let advised = Camera::resolve(place.path("advised.json").to_str().unwrap()).unwrap();
+        assert!(advised.is_clear() && default.is_clear());
+        let fields = |camera: &Camera| [camera.aperture_radius_mm, camera.focus_psi, camera.psi_range[1]];
+        for (own, advised) in fields(&default).into_iter().zip(fields(&advised)) {
+            assert!((own - advised).abs() < 1e-3, "{electrons} electrons: {own}, advised is {advised}");
+        }
+    }
+}
+
+#[test]
+fn codes_close_the_lens_farther_than_photographs_and_have_no_decibels_of_networks() {
+    let place = Place::new();
+    let line = "optics advise ring-outer --electrons 10000 --out lens.json --json";
+    let [photographs, codes] =
+        ["", " --task codes"].map(|task| json(&place.edof(&format!("{line}{task}")).done().out));
+    assert!(number(&codes["advised"]["stops"]) > number(&photographs["advised"]["stops"]));
+    assert_eq!((&codes["task"], &codes["module_px"]), (&"codes".into(), &2.0.into()));
+    assert!(codes["advised"].get("expected").is_none() && photographs["advised"]["expected"].is_object());
+    let told = place.edof("optics advise --task codes --module-px 1.5 --out lens.json").done().out;
+    assert!(
+        told.contains("modules of 1.5 pixels") && !told.contains("trained network is expected"),
+        "{told}"
+    );
+    place
+        .edof("optics advise --module-px 2 --out lens.json")
+        .refused(&["--module-px 2: is for --task codes"]);
+    assert_eq!(place.edof("optics advise --task codes --images photos --out lens.json").code, Some(2));
+}

@@ -299,6 +299,36 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn a_closed_lens_sees_the_same_scene_with_less_defocus_and_more_noise() {
+        let open = Camera::resolve("clear-mid").unwrap();
+        let closed = edof_optics::bound::lenses::closed(&open, 2.0);
+        let malvar = Malvar::default();
+        let lens = |camera: &Camera| Lens {
+            title: "lens".into(),
+            about: "a lens.".into(),
+            camera: camera.clone(),
+            methods: vec![("demosaiced".into(), &malvar as &dyn Reconstructor)],
+        };
+        let of = |scene: &Scene, noise: Noise| {
+            let sensor = Sensor { noise, ..Sensor::default() };
+            let lenses = [lens(&open), lens(&closed)];
+            run(scene, &[], &sensor, &lenses, Tone::Srgb, |_| ControlFlow::Continue(())).unwrap()
+        };
+        let chart = draw(Builtin::Chart, 96, 128, &[0.0, 3.0, 5.0, 8.0], 0).unwrap();
+        let demo = of(&chart, Noise::None);
+        for end in [0.0, 8.0] {
+            let [open, closed] = [0, 1].map(|lens| demo.pictures[lens].db_at(end).unwrap());
+            assert!(closed > open, "psi {end}: {open} open, {closed} closed");
+        }
+        let mut grey = ColourFrame::zeros(64, 64);
+        grey.planes.fill(0.5);
+        let spread = |raw: &RawFrame| raw.pixels().mapv(f64::from).std(0.0);
+        let raws = of(&Scene::flat("grey", grey, 4.0), Noise::gaussian(0.01)).raws;
+        let ratio = spread(&raws[1]) / spread(&raws[0]);
+        assert!((ratio - 4.0).abs() < 0.3, "{ratio}");
+    }
+
+    #[test]
     fn the_overview_shows_every_picture_whole_and_its_name_below() {
         let demo = demo();
         let overview = demo.overview();
